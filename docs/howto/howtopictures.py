@@ -11,7 +11,7 @@ from ngsolve import *
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tutorials" / "examples"))
 
-from deformed import Smooth
+from pictures import Smooth
 
 from ngslac import ContactSolver, LACContact, LoadStepper
 from ngslac.materials import AxisymmetricGrad, Stress

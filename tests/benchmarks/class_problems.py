@@ -315,8 +315,7 @@ class Ring:
 
     def Press(self, steps):
         """Solver and converged steps."""
-        ring = Example("flatring").Ring(self.h)
-        stepper = ring.stepper
+        stepper, *_ = Example("flatring").Problem(self.h)
         return stepper.solver, stepper.Integrate(self.travel, steps=steps, printing=False)
 
     def Elastic(self, mesh):

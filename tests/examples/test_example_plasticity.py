@@ -6,8 +6,7 @@ import indentation
 import ngsolve as ngs
 import numpy as np
 import pytest
-from indentation import PRANDTL, Cycle, Depths, OnsetPressure
-from indenter import Indenter
+from indentation import PRANDTL, Cycle, Depths, Indenter, OnsetPressure
 from netgen.occ import OCCGeometry
 from ngsolve.meshes import MakeStructured2DMesh
 from plasticity import J2Plasticity, LogStrain
@@ -29,7 +28,7 @@ def test_onset_of_yield():
 def test_loading_unloading_and_loading_again():
     """Johnson 1985, sections 6.2 and 6.4, but for a little yield where the edge was."""
     results = Cycle(Indenter())
-    figures, peak = results.Figures(), results.loading[-1]["force"]
+    figures, peak = results.figures, results.loading[-1]["force"]
     mean = [row["mean_pressure"] / 35.0 for row in results.loading if row["closed"] > 8]
     assert 0.9 * PRANDTL < mean[-1] < PRANDTL
     assert np.all(np.diff(mean) > -0.03)  # the width is known to a tenth of an element

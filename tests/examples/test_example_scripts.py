@@ -4,7 +4,6 @@ import json
 from importlib import import_module
 
 import hertz_large
-import materials
 import patch3d
 import pytest
 from patch3d import Case
@@ -28,7 +27,7 @@ def Hertz3D(options, steps=1):
     near = approx(1, abs=0.1)
     figures = {"force_ratio": approx(1, abs=1e-9), "p0_ratio": near, "contact_radius_ratio": near}
     figures |= {"newton_iterations": lambda found: len(found) == steps}
-    files = "hertz3d_pressure.png hertz3d.vtu hertz3d_contact.vtu hertz3d_segments.vtu"
+    files = "hertz3d.png hertz3d.vtu hertz3d_slave.vtu"
     return "hertz3d", options, figures, "p0_ratio ", files
 
 
@@ -54,8 +53,8 @@ def Patches(worst, rows):
 RUNS = [
     ("hertz", "--h 1 --steps 2", {
         "p0_ratio": approx(1.017, abs=3e-3), "force_ratio": approx(1, abs=1e-10),
-        "newton_iterations newton_max": lambda each, most: len(each) == 2 and max(each) == most,
-        "contact_edge ndof seconds": lambda *values: min(values) > 0,
+        "newton_iterations": lambda each: len(each) == 2,
+        "contact_edge seconds": lambda *values: min(values) > 0,
     }, "contact force 1.0000", "hertz.png hertz.vtu hertz_slave.vtu"),
     Order1("none", approx(1.0493, abs=1e-3)),
     Order1("split", approx(1.0294, abs=1e-3)),
@@ -65,32 +64,32 @@ RUNS = [
     Friction3D("cattaneo3d", "--reverse 1", "shear", "stick_ratio_exact"),
     Friction3D("twist", "--smooth --quiet", "moment_ratio", ""),
     ("patch3d", "", {"max_error cases": Patches}, "in 3 cases",
-     "patch3d_errors.png patch3d_contact.vtu patch3d_segments.vtu"),
+     "patch3d.png patch3d_slave.vtu"),
     ("ironing", "--h 0.6 --steps 8 --stroke 0.4 --friction 0.1", {
-        "steps": 8, "converged_steps": 8, "quadratic": lambda value: isinstance(value, bool),
+        "quadratic": lambda value: isinstance(value, bool),
         "vertical_force time": lambda force, time: len(force) == len(time) == 8,
-    }, "t = 1.040: down", "ironing.png ironing.vtu"),
+    }, "t = 1.040: down", "ironing.png ironing_foot.vtu"),
     ("hertz_large", "--h 0.2 --steps 2 --depth 0.02 --order 3", {
-        "steps": 2, "converged_steps": 2,
+        "approach": approx([0.01, 0.02]),
         "force": lambda force: force[-1] == approx(hertz_large.HertzForce(0.02, 0.49), rel=0.1),
-    }, "by Hertz", "hertz_large.png hertz_large.vtu"),
+    }, "by Hertz", "hertz_large.png hertz_large_arc.vtu"),
     ("twistblocks", "--n 2 --steps 1 --angle 10 --friction 0 --rigid", {
-        "steps": 1, "converged_steps": 1, "angle": approx([0, 0, 10]),
+        "angle": approx([0, 0, 10]),
         "torque force": lambda torque, force: abs(torque[-1]) < 1e-3 * force[-1],
-    }, "10.0 degrees", "twistblocks.png twistblocks.vtu twistblocks.html"),
+    }, "10.0 degrees", "twistblocks.png twistblocks_face.vtu"),
     ("flatring", "--travel 0.2 --steps 2", {
-        "steps": 2, "converged_steps": 2, "travel": approx([0.1, 0.2]),
+        "converged_steps": 2, "travel": approx([0.1, 0.2]),
     }, "force on the plate", "flatring.png flatring_inside.vtu flatring_outside.vtu"),
     ("indentation", "--h 0.4 --steps 5 --depth 0.02", {
-        "steps curve": lambda steps, curve: steps == len(curve),
+        "curve": lambda curve: len(curve) > 5,
         "prandtl": approx(2.9685, abs=1e-4), "onset_pressure": approx(1.79, rel=0.03),
     }, "mean pressure", "indentation.png indentation_top.vtu"),
-    ("materials", "--squeeze 0.05 --steps 1", {
-        "thermal": lambda found: found["pressure"] == approx(found["lame"], rel=2e-3),
-        "rubber": lambda found: found["force"] == approx(materials.SqueezeForce(0.05), rel=0.05),
-    }, "peak_pressure", "materials.png materials_rubber.vtu materials_thermal.vtu"),
-    ("materials", "--cases thermal --quiet", {"thermal": lambda found: found["ndof"] > 0}, "",
-     "materials.png materials_thermal.vtu"),
+    ("hertz_large", "--nu 0.4999 --mixed --h 0.08 --depth 0.05 --steps 1 --quiet", {
+        "force hertz": lambda force, hertz: force == approx(hertz, rel=0.05),
+    }, "", ""),
+    ("heateddisc", "", {
+        "pressure lame": lambda pressure, lame: pressure == approx(lame, rel=2e-3),
+    }, "Lame", "heateddisc.png heateddisc_rim.vtu"),
     ("bouncing", "--h 0.4 --dt 0.04 --end 0.2 --velocity 2 -1", {
         "steps": lambda steps: steps >= 5, "contact_end": approx(0.2),
     }, "friction_ratio", "bouncing.png bouncing_outside.vtu"),
@@ -102,7 +101,7 @@ RUNS = [
         "share share_exact": lambda *shares: shares[0] == approx(shares[1], abs=0.06),
         "stick": lambda found: found == sorted(found, reverse=True),
         "halfwidth": approx(1, abs=0.05),
-    }, "Q/(mu P)", "carter.png carter.vtu"),
+    }, "Q/(mu P)", "carter.png carter_upper.vtu"),
     ("flatpunch", "--h 0.125 --friction 1", {
         "prandtl": approx(2.9685, abs=1e-4), "pressure": approx(2.9685, rel=0.04),
         "growth": approx(0, abs=1e-3), "curve": lambda curve: curve == sorted(curve),
@@ -110,7 +109,7 @@ RUNS = [
     ("upsetting", "--n 2 --friction 0 --depth 4 --steps 4", {
         "force_ratio": lambda found: found == approx([1, 1, 1, 1], abs=1e-6),
         "bulge": approx(0, abs=1e-9), "volume": approx(1, abs=3e-3),
-    }, "without friction", "upsetting.png upsetting.vtu"),
+    }, "without friction", "upsetting.png upsetting_die.vtu"),
     ("upsetting", "--n 2 --depth 1 --steps 2 --quiet", {
         "force_ratio": lambda found: 1.005 < min(found) < max(found) < 1.05,
         "bulge": lambda bulge: bulge > 0.1,
@@ -126,7 +125,7 @@ RUNS = [
     ("cup", "--h 0.2 --depth 0.01 --steps 2", {
         "holder_force": approx(3, rel=1e-6), "balance": approx(0, abs=1e-6),
         "volume": approx(1, abs=1e-3), "draw_in punch_force": lambda *values: min(values) > 0,
-    }, "draw-in", "cup.png cup_blank.png cup_die.vtu"),
+    }, "draw-in", "cup.png cup_die.vtu"),
     ("drawing", "--depth 0.03 --steps 6", {
         "holder_force": approx(10, rel=1e-6), "balance": approx(0, abs=1e-6),
         "draw_in punch_force": lambda *values: min(values) > 0,
@@ -166,11 +165,11 @@ HELP = [
      "--angle -1; --friction 0"),
     ("patch3d", 0.0, "--friction -1"),
     ("ironing", 80, "--steps 1: steps = 1; --order 1; --h -1.0; --stroke 11.0: stroke = 11"),
-    ("hertz_large", 0.3, "--steps 0; --order 1; --nu 0.5: nu; --depth 0.8: depth = 0.8; --h 0"),
+    ("hertz_large", 0.3, "--steps 0; --order 4; --nu 0.5: nu; --depth 0.8: depth = 0.8; --h 0"),
     ("twistblocks", 180.0, "--steps 0; --order 1; --friction -0.1; --n 1: n = 1"),
     ("flatring", 0.12, "--h 0; --steps few; --thickness 2: thickness = 2"),
     ("indentation", 0.08, "--steps 0; --depth -1; --yield-stress 0"),
-    ("materials", 0.25, "--cases steel: invalid choice: 'steel'; --squeeze -1"),
+    ("heateddisc", 0.001, "--heating -1"),
     ("bouncing", 0.17, "--h 0; --thickness 1.5: must be less than the radius; "
      "--velocity 1 0.5: downwards; --end 0.02 --h 0.5 --quiet: in the air until the time 0.02"),
     ("belt", 180.0, "--wrap 0; --friction -1; --thickness none; --h 0"),

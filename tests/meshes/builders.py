@@ -5,8 +5,7 @@ from math import asin, cos, hypot, pi, radians, sin, sqrt, tan
 from unittest.mock import ANY
 
 import pytest
-from cords import CordMesh, DiscInRing
-from indenter import IndentationMesh
+from heateddisc import DiscInRing
 
 from ngslac import meshes
 from ngslac.meshes.boxes import KINDS
@@ -75,17 +74,11 @@ def Slice(model):
     return sizes | (Sizes(sym_x=150) if model == "quarter" else {})
 
 
-CORD = Sizes(plate=800, symx=50, symy=50, master=80, back=100) | Sizes(1e-6, slave=62.5)
-CORD |= Sizes(1e-3, rubber=pi * 625, free=25 * pi - 62.5)
 RING = Sizes(symx=98, symy=98) | Sizes(1e-5, disc=pi * 625, ring=pi / 4 * (100**2 - 52**2))
 RING |= Sizes(1e-5, slave=25 * pi, master=26 * pi, outer=50 * pi)
-PUNCH = Sizes(block=1600, slave=5, top=35, side=40, bottom=40, sym=40)
-PUNCH |= Sizes(1e-8, master=100 * asin(5.5 / 100)) | {"cylinder": ANY, "back": ANY}
 RISES = {"flat": 0.0, "oblique": tan(radians(15))}
 
 CASES = {  # function, its arguments, sizes of materials and boundaries
-    "punch": (IndentationMesh, {"h": 0.5}, PUNCH),
-    "cord": (CordMesh, {"h": 4.0}, CORD),
     "ring": (DiscInRing, {"h": 4.0, "clearance": 2.0}, RING),
 }
 for half in (0, 1):

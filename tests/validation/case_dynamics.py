@@ -79,9 +79,9 @@ def Sliding(quick):
 
 
 def Bouncing(quick):
-    ring = bouncing.Ring(h=0.25 if quick else 0.17, friction=0.2, gravity=0.0)
-    ring.Throw(1.6, 0.04 if quick else 0.02)
-    figures = ring.Figures()
+    options = {"h": 0.25, "dt": 0.04} if quick else {}
+    options |= {"friction": 0.2, "gravity": 0.0, "end": 1.6}
+    figures = bouncing.Run(**options)
     gone = figures["friction"] + figures["impact"] + figures["algorithmic"]
     end, start = figures["energy_end"], figures["energy_start"]
     ratio, drift = figures["friction_ratio"], figures["flight_speed_drift"]
@@ -94,7 +94,7 @@ def Bouncing(quick):
         Row("largest gain of energy in a step, over the energy", gain, 0, rounding),
     ]
     caption = "Instants of the motion, and where the energy goes."
-    draw = FromFolder(lambda folder: bouncing.Write(ring, folder), "bouncing.png")
+    draw = FromFolder(lambda folder: bouncing.Run(**options, out=folder), "bouncing.png")
     return Outcome(rows, draw, caption)
 
 

@@ -17,11 +17,10 @@ from functools import cache
 from itertools import pairwise
 
 import numpy as np
-from driven import RigidMotion
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import Mesh, VectorH1
+from ngsolve import CF, Mesh, VectorH1
 from problems_large import Hencky, Model
 from report_bounds import Exact, Spread
 from report_case import Case, Outcome, Row
@@ -127,10 +126,7 @@ def RingModel(mesh, *, order=2, friction=None):
     else:
         V = VectorH1(mesh, order=order, **fixed)
     model = Model(V, Hencky, YOUNG, friction=friction)
-    motion = RigidMotion(
-        V, body="inner|outer", driven="driven", target=lambda: (0.0, -DEPTH * model.load.Get())
-    )
-    return model, motion
+    return model, {"driven": CF((0, -DEPTH * model.load))}
 
 
 def Follow(model, motion, *, end, steps):

@@ -20,20 +20,17 @@ from sector3d import SliceMesh
 from slavefaces import SlaveFaces
 
 from ngslac.meshes import HertzMesh
-from ngslac.meshes.cylinders import THICKNESS
 from ngslac.reference import HertzLine
 
 
 @cache
 def Run(shape="sphere", *, h, order=2, stabilize="none", steps=1):
     """The solution of each load step of the example; the options are its own."""
-    mesh = hertz3d.Mesh(shape, h, order=order, stabilize=stabilize)
-    line = shape == "cylinder"
-    load = hertz3d.FORCE[shape] * hertz3d.PART[shape, "quarter"] * (THICKNESS if line else 1.0)
-    pressed = hertz3d.Press(mesh, load, order=order, stabilize=stabilize, steps=steps)
-    faces = SlaveFaces(pressed.contact.mesh, pressed.contact.space.macros, line)
-    solutions = []
-    for time, iterations, force, table in pressed.steps:
+    options = {"h": h, "order": order, "stabilize": stabilize, "steps": steps}
+    _, contact, done = hertz3d.Run(shape, **options)["solution"]
+    faces = SlaveFaces(contact.mesh, contact.space.macros, shape == "cylinder")
+    load, solutions = hertz3d.FORCE[shape] * hertz3d.PART[shape, "quarter"], []
+    for time, iterations, force, table in done:
         found = table["pressure"], table["status"], float(force[2] / (load * time))
         solutions.append(Solution(faces, hertz3d.Hertz(shape, time), *found, iterations))
     return solutions

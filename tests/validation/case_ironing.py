@@ -7,7 +7,7 @@ import numpy as np
 from published import DECK, DECK_SMOOTH, PUBLISHED, TIMES
 from report_bounds import Exact, Spread
 from report_case import Case, Outcome, Row
-from report_pictures import Bodies, Figure
+from report_pictures import FromFolder
 
 CODE_ASTER = PUBLISHED["code_aster 2020"]
 
@@ -21,9 +21,8 @@ def _Others(force, k, time):
 
 def Ironing(quick):
     h, steps, stroke = (0.5, 16, 1.5) if quick else (0.3, 44, 5.0)
-    model = ironing.Ironing(h)
-    model.Iron(steps, stroke)
-    rough = model.Figures()
+    options = {"h": h, "steps": steps, "stroke": stroke}
+    rough = ironing.Run(**options)
 
     def At(figures, key, time):
         return float(np.interp(time, figures["time"], figures[f"{key}_force"]))
@@ -47,15 +46,11 @@ def Ironing(quick):
         for time, force in DECK_SMOOTH.items():
             text = f"frictionless: vertical force at t = {time:g}, test deck"
             rows.append(Row(text, At(smooth, "vertical", time), force, unit="N/mm"))
-    done = rough["converged_steps"] / steps
+    done = np.count_nonzero(rough["cuts"] == 0) / steps
     rows.append(Row("share of the steps that converged", done, 1, Exact()))
     caption = "The end, and the forces of this computation (lines) beside the published ones."
-
-    def Draw(left, right):
-        Bodies(left, model.mesh, model.displacement)
-        ironing.DrawForces(right, rough)
-
-    return Outcome(rows, Figure(Draw, columns=2), caption)
+    draw = FromFolder(lambda folder: ironing.Run(**options, out=folder), "ironing.png")
+    return Outcome(rows, draw, caption)
 
 
 CASES = [

@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from functools import cache
 
+import heateddisc
+import hertz_large
 import indentation
-import materials
 import numpy as np
-from indentation import PRANDTL, Depths
-from indenter import Indenter
+from indentation import PRANDTL, Depths, Indenter
 from netgen.occ import Glue, MoveTo, OCCGeometry, Y
 from ngsolve import (
     BilinearForm,
+    Det,
+    Grad,
     GridFunction,
+    Id,
     IfPos,
+    Integrate,
     Mesh,
     Parameter,
     Sym,
@@ -37,7 +41,7 @@ def Indentation(quick):
     h, steps = (0.4, 8) if quick else (0.2, 16)
     cycles = [indentation.Cycle(Indenter(h=size), 0.08, steps, steps) for size in (h, 2 * h)]
     figures, coarser = (
-        cycle.Figures() | {"onset_pressure": indentation.Onset(h=cycle.indenter.h)}
+        cycle.figures | {"onset_pressure": indentation.Onset(h=cycle.indenter.h)}
         for cycle in cycles
     )
 
@@ -56,7 +60,7 @@ def Indentation(quick):
     if not quick:
         rows.append(Row("mean pressure over yield stress, soft block", *RigidPlastic()))
     caption = "Force over depth, mean pressure over the width, plastic strain and imprint."
-    draw = FromFolder(lambda folder: indentation.Write(cycles[0], folder), "indentation.png")
+    draw = FromFolder(lambda folder: indentation.Draw(cycles[0], folder), "indentation.png")
     return Outcome(rows, draw, caption)
 
 
@@ -130,29 +134,36 @@ def Dented(quick):
     return Outcome(rows, Figure(Draw, size=(5, 3.4)), "Force over the depth.")
 
 
+def Squeezed(h=0.08, depth=0.25, steps=5, order=2):
+    """Figures of a cord that is squeezed by a part of its diameter, and its largest pressure."""
+    how = {"nu": 0.4999, "mixed": True, "order": order}
+    figures = hertz_large.Run(h, depth=depth, steps=steps, **how)
+    peak = figures["solution"].contact.Table()["pressure"].max()
+    return figures | {"force": figures["force"][-1], "peak_pressure": peak}
+
+
 def Rubber(quick):
-    results = {"rubber": materials.Rubber(), "thermal": materials.Thermal()}
-    rubber, thermal = (result.figures for result in results.values())
-    small = materials.Rubber(h=2.0 if quick else 1.0, squeeze=0.005, steps=1).figures["force"]
-    hot = materials.Thermal(h=3.0).figures
-    exact = materials.SqueezeForce(0.005)
-    # Half of the contact over the diameter of the cord, with the modulus 4 G: Hertz.
-    strain = Neglected(np.sqrt(exact / (2 * np.pi)), "strains of a/(2 R)")
+    rubber, small = Squeezed(), Squeezed(0.04 if quick else 0.02, 0.005, 1)["force"]
+    thermal, hot = heateddisc.Run(), heateddisc.Run(h=3.0)
+    exact, moved = hertz_large.HertzForce(0.005, 0.5), rubber["solution"].gf.components[0]
+    # Half of the contact over the radius of the cord, with the modulus 4 G: Hertz.
+    strain = Neglected(np.sqrt(0.75 * exact / np.pi), "strains of a/(2 R)")
     meshes = Meshes(hot["pressure"], thermal["pressure"], 2)
+    mesh = moved.space.mesh
+    change = Integrate(Det(Grad(moved) + Id(2)), mesh, order=6) / Integrate(1, mesh) - 1
     rows = [
-        Row("cord: force at half a percent", small, exact, strain, "G D"),
-        Row("cord: change of the volume at a quarter", rubber["volume_change"], 0),
+        Row("cord: force at half a percent", small, exact, strain, "N/mm"),
+        Row("cord: change of the volume at a quarter", change, 0),
         Row("heated disc: pressure over E, faces of 6", thermal["pressure"], thermal["lame"]),
         Row("heated disc: the same, finer", hot["pressure"], hot["lame"], meshes),
     ]
     if not quick:
-        fine = materials.Rubber(h=2.5, order=3, steps=3).figures
+        fine = Squeezed(0.05, order=3, steps=3)
         for key in ("force", "peak_pressure"):
             text = f"cord: {key.replace('_', ' ')} at a quarter, against order 3"
             rows.append(Row(text, rubber[key], fine[key]))
-    caption = "Force of the cord over the squeeze; pressure in the rubber; hoop stress of the disc."
-    draw = FromFolder(lambda folder: materials.Write(results, folder), "materials.png")
-    return Outcome(rows, draw, caption)
+    draw = FromFolder(lambda folder: heateddisc.Run(out=folder), "heateddisc.png")
+    return Outcome(rows, draw, "Hoop stress of the disc and of the ring around it.")
 
 
 CASES = [
@@ -185,7 +196,7 @@ CASES = [
         "cold ring around it.",
         "Johnson (1985), equation 5.57, for small squeezes; Lamé's thick-walled cylinders; order "
         "3 on a finer mesh.",
-        "python tutorials/examples/materials.py --out results",
+        "python tutorials/examples/heateddisc.py --out results",
         Rubber,
     ),
 ]

@@ -27,29 +27,25 @@ from ngsolve import (
 )
 from report_bounds import Both, Extrapolated, Meshes, Neglected, Tolerance
 from report_case import Case, Outcome, Row
-from report_pictures import Bodies, Figure
+from report_pictures import FromFolder
 
 from ngslac.materials import NeoHooke
 
 
 @cache
 def Flattened(h, steps, **options):
-    """The example, pressed."""
-    cylinder = hertz_large.Cylinder(h, **options)
-    cylinder.Press(steps)
-    return cylinder
+    """The example."""
+    return hertz_large.Run(h, steps=steps, **options)
 
 
 def Penalty(h, depth, steps, factor):
     """Force by a penalty on the rigid plane y = 0, by NGSolve alone."""
     mesh = CylinderMesh(h)
-    V = VectorH1(
-        mesh, order=2, dirichletx="sym", dirichlety="middle", definedon=mesh.Materials("cylinder")
-    )
+    V = VectorH1(mesh, order=2, dirichletx="sym", dirichlety="middle")
     u, gf, down = V.TrialFunction(), GridFunction(V), GridFunction(V)
     below = -(y + u[1])
     a = BilinearForm(V)
-    a += Variation(NeoHooke(Id(2) + Grad(u), YOUNG, 0.49).Compile() * dx("cylinder"))
+    a += Variation(NeoHooke(Id(2) + Grad(u), YOUNG, 0.49).Compile() * dx)
     a += Variation(factor / 2 * IfPos(below, below, 0) ** 2 * ds("slave", bonus_intorder=10))
     down.Set(CF((0, -depth / steps)))
     residual, step = gf.vec.CreateVector(), gf.vec.CreateVector()
@@ -105,11 +101,11 @@ def _OfSteps(curves, error):
 
 def Cylinder(quick):
     h = 0.2 if quick else 0.1
-    cylinder = Flattened(h, 8 if quick else 15)
-    figures = cylinder.Figures()
-    small = Flattened(0.05 if quick else 0.02, 2, depth=0.02).Figures()
+    options = {"h": h, "steps": 8 if quick else 15}
+    figures = Flattened(**options)
+    small = Flattened(0.05 if quick else 0.02, 2, depth=0.02)
     limit, stiff = PenaltyLimit(h, 6 if quick else 10)
-    modulus = hertz_large.YOUNG / (1 - cylinder.nu**2)
+    modulus = hertz_large.YOUNG / (1 - 0.49**2)
     strains = [Neglected(_Strain(force, modulus), "strains of a/(2 R)") for force in small["hertz"]]
     curves = [figures[name] for name in ("approach", "force", "energy")]
     error = EnergyError(*curves)
@@ -124,23 +120,18 @@ def Cylinder(quick):
     ]
     caption = "The section at the end, the forces and the pressures."
 
-    def Draw(left, middle, right):
-        Bodies(left, cylinder.mesh, cylinder.displacement, window=(0, 1.3, -0.15, 1.05))
-        for name, style in (("force", "-"), ("hertz", "k--")):
-            middle.plot([0, *figures["approach"]], [0, *figures[name]], style, label=name)
-        middle.set(xlabel="approach [mm]", ylabel="force [N/mm]")
-        middle.legend()
-        cylinder.contact.Plot("pressure", axes=right)
-
-    return Outcome(rows, Figure(Draw, columns=3), caption)
+    draw = FromFolder(lambda folder: hertz_large.Run(**options, out=folder), "hertz_large.png")
+    return Outcome(rows, draw, caption)
 
 
 def FlatRing(quick):
     travel, steps = (1.0, 10) if quick else (1.71, 38)
-    rings = [flatring.Ring(h, quarter=quarter) for h in (0.12, 0.18) for quarter in (False, True)]
-    for ring in rings:
-        ring.Press(travel, steps)
-    table = [{key: np.array(v) for key, v in ring.Figures().items()} for ring in rings]
+    options = {"travel": travel, "steps": steps}
+    table = [
+        {key: np.array(v) for key, v in flatring.Run(h, quarter=quarter, **options).items()}
+        for h in (0.12, 0.18)
+        for quarter in (False, True)
+    ]
     before = table[0]["travel"] < 1.6
     worst = np.abs(table[0]["force"] / table[1]["force"] - 1)[before].argmax()
 
@@ -158,15 +149,8 @@ def FlatRing(quick):
         rows.append(Row(text, *Differ(-1), "G R"))
     caption = "The ring at the end, and the force over the travel of the plates."
 
-    def Draw(left, right):
-        Bodies(left, rings[0].mesh, rings[0].displacement)
-        for name, style in (("force", "o-"), ("force_inside", "s")):
-            values = np.where(table[0][name] > 0, table[0][name], np.nan)
-            right.semilogy(table[0]["travel"], values, style, ms=3, label=name.replace("_", " "))
-        right.set(xlabel="travel / R", ylabel="force / (G R)")
-        right.legend()
-
-    return Outcome(rows, Figure(Draw, columns=2), caption)
+    draw = FromFolder(lambda folder: flatring.Run(**options, out=folder), "flatring.png")
+    return Outcome(rows, draw, caption)
 
 
 CASES = [

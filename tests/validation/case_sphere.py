@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 
 import cattaneo3d
-import numpy as np
 import twist
-from lubkin import TwistPoint
 from report_bounds import Element, Meshes
 from report_case import Case, Outcome, Row
-from report_pictures import BLUE, INK, ORANGE, Figure
+from report_pictures import FromFolder
 
-PushedSphere, TwistedSphere = cache(cattaneo3d.Solve), cache(twist.Solve)
+PushedSphere, TwistedSphere = cache(cattaneo3d.Run), cache(twist.Run)
 
 
 def _OfStep(text, name, label, row, before, ratio, element):
@@ -34,8 +32,8 @@ def _OfStiffness(text, figures, coarser, ratio):
 
 def Mindlin(quick):
     steps, n = 1 if quick else 3, 3 if quick else 4
-    runs = [PushedSphere(elements=m, steps=steps, reverse=2, press=1) for m in (n, n - 1)]
-    results, (figures, coarser) = runs[0], (run.figures for run in runs)
+    options = {"steps": steps, "reverse": 2, "press": 1}
+    figures, coarser = (PushedSphere(elements=m, **options) for m in (n, n - 1))
     ratio, rows, label = n / (n - 1), [], "tangential force over F P"
     for row, before in zip(figures["steps"][:steps], coarser["steps"], strict=False):
         text = f"displacement {1e3 * row['shift_half_spaces']:.3f} µm"
@@ -43,87 +41,23 @@ def Mindlin(quick):
     rows.append(_OfStiffness("4 G a / (2 - nu)", figures, coarser, ratio))
     text = "hysteresis: error of the displacement over that of sliding"
     rows.append(Row(text, figures["shift_error"], 0))
-    caption = "Force over displacement, there and back; stick radius in each step."
-    return Outcome(rows, _Curve(_Pushed, results), caption)
+    caption = "Force over displacement, there and back; stick radius in each step; tractions."
+    draw = partial(cattaneo3d.Run, elements=n, **options)
+    return Outcome(rows, FromFolder(lambda folder: draw(out=folder), "cattaneo3d.png"), caption)
 
 
 def Twist(quick):
     steps, n = 1 if quick else 4, 4 if quick else 6
-    runs = [TwistedSphere(elements=m, steps=steps, angle=1.5, press=1) for m in (n, n * 2 // 3)]
-    results, (figures, coarser) = runs[0], (run.figures for run in runs)
+    options = {"steps": steps, "angle": 1.5, "press": 1}
+    figures, coarser = (TwistedSphere(elements=m, **options) for m in (n, n * 2 // 3))
     ratio, rows, label = n / (n * 2 // 3), [], "moment over its limit"
     for row, before in zip(figures["steps"], coarser["steps"], strict=True):
         text = f"angle {1e3 * row['angle']:.3f} mrad"
         rows += _OfStep(text, "moment_ratio", label, row, before, ratio, Element(1 / n))
     rows.append(_OfStiffness("16/3 G* a^3", figures, coarser, ratio))
-    caption = "Moment over angle, and the stick radius in each step."
-    return Outcome(rows, _Curve(_Twisted, results), caption)
-
-
-def _Curve(draw, results):
-    """The load over the motion, and the stick radius in each step."""
-
-    def Draw(left, right):
-        draw(left, results)
-        _StickRadius(right, results)
-
-    return Figure(Draw, columns=2, size=(9.2, 3.6))
-
-
-def _StickRadius(ax, results):
-    rows = results.figures["steps"]
-    number = np.arange(1, len(rows) + 1)
-    for key, label, style in (
-        ("stick_ratio_exact", "exact", {"color": INK, "marker": "_", "ms": 14, "mew": 1.2}),
-        ("stick_ratio", "area that sticks", {"color": BLUE, "marker": "o", "ms": 4}),
-        ("stick_ratio_fit", "fit of the tractions", {"color": ORANGE, "marker": "x", "ms": 5}),
-    ):
-        values = [np.nan if row[key] is None else row[key] for row in rows]
-        ax.plot(number, values, ls="none", label=label, **style)
-    label = "radius of the stick zone / contact radius"
-    ax.set(xlabel="step", xticks=number, ylabel=label, ylim=(0, 1.05))
-    ax.legend(loc="lower left")
-
-
-def _Pushed(ax, results):
-    """Draw the force over the shift."""
-    problem, rows = results.problem, results.figures["steps"]
-    force = results.states[problem.steps - 1].force[2]
-    top = results.exact[problem.steps - 1]
-    shear = np.linspace(0, top.shear, 101)
-    up = [problem.Partial(force, q) for q in shear]
-    back = [top.Reverse(q) for q in np.linspace(top.shear, -0.6 * top.shear, 101)]
-    limit = problem.friction * force
-    for path, label in ((up, "Mindlin"), (back if problem.reverse else [], None)):
-        ax.plot(
-            [-1e3 * e.shift for e in path],
-            [-(e.shear if hasattr(e, "shear") else 0) / limit for e in path],
-            color=INK,
-            lw=0.9,
-            label=label,
-        )
-    x = [0.0, *(1e3 * row["shift_half_spaces"] for row in rows)]
-    ax.plot(x, [0.0, *(row["shear"] for row in rows)], "o", color=ORANGE, ms=4, label="computed")
-    label = "displacement, without that of the finite bodies [\u00b5m]"
-    ax.set(xlabel=label, ylabel="tangential force / (F P)")
-    ax.legend(loc="lower right")
-
-
-def _Twisted(ax, results):
-    """Draw the moment over the angle."""
-    problem, rows = results.problem, results.figures["steps"]
-    hertz = problem.Hertz(results.states[-1].force[2])
-    angles = np.linspace(0, 1.05 * rows[-1]["angle"], 61)
-    exact = [TwistPoint.FromAngle(hertz=hertz, angle=t, friction=problem.friction) for t in angles]
-    ax.plot(1e3 * angles, [e.moment / e.limit for e in exact], color=INK, lw=0.9, label="Lubkin")
-    slope = exact[0].stiffness / exact[0].limit
-    ax.plot(1e3 * angles, slope * angles, "--", color=INK, lw=0.7, label="no slip")
-    ax.axhline(1.0, ls=":", color=INK, lw=0.7)
-    x = [0.0, *(1e3 * row["angle"] for row in rows)]
-    y = [0.0, *(row["moment_ratio"] for row in rows)]
-    ax.plot(x, y, "o", color=ORANGE, ms=4, label="computed")
-    ax.set(xlabel="angle [mrad]", ylabel="moment / (3 pi F P a / 16)", ylim=(0, 1.1))
-    ax.legend(loc="lower right")
+    caption = "Moment over angle; stick radius in each step; tractions."
+    draw = partial(twist.Run, elements=n, **options)
+    return Outcome(rows, FromFolder(lambda folder: draw(out=folder), "twist.png"), caption)
 
 
 CASES = [

@@ -10,7 +10,7 @@ from ngsolve import CF, GridFunction, x, y, z
 from report_bounds import Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import ORANGE, Figure
-from twistblocks import MEAN_DISTANCE, Blocks, DrawTorque
+from twistblocks import MEAN_DISTANCE, Problem, Torque, Turn
 
 TURN = 22.5  # degrees of a step
 HALF = math.radians(TURN / 2)
@@ -38,28 +38,30 @@ def SymmetryError(table, reference, n):
 class Measured:
     """The blocks, turned, with what is measured after each step.
 
-    The upper block has n x n faces and turns in `steps`; `options` are others of `Blocks`.
+    The upper block has n x n faces and turns in `steps`; `options` are others of the example.
     """
 
-    def __init__(self, steps, n, **options):
-        self.blocks, self.n = Blocks(n, **options), n
-        self.blocks.contact.Update()
-        self.reference = self.blocks.contact.Table()["x"].copy()
-        self.place = GridFunction(self.blocks.displacement.space)
+    def __init__(self, steps, n, *, angle, rigid=False, friction=0.3):
+        self.stepper, self.contact = Problem(n, friction=friction, angle=angle, rigid=rigid)
+        self.n, self.held = n, "lower_.*" if rigid else "lower_bottom"
+        self.solver, self.friction = self.stepper.solver, friction
+        self.displacement = self.solver.gf.components[0]
+        self.contact.Update()
+        self.reference = self.contact.Table()["x"].copy()
+        self.place = GridFunction(self.displacement.space)
         self.place.Set(CF((x, y, z)))
         self.rows, self.table = [], None
-        self.blocks.Turn(steps, self._Measure)
-        self.figures = self._Figures()
+        turned = Turn(self.stepper, self.contact, steps, friction, angle, self._Measure)
+        self.figures = self._Figures(turned, np.radians(angle / steps))
 
     def _Measure(self, _):
-        contact, history = self.blocks.contact, self.blocks.stepper.solver.history
+        contact, history = self.contact, self.solver.history
         self.table = table = contact.Table()
-        rigid = self.blocks.bodies.Mask().NumSet() == 1
         torque = contact.Moment((0, 0, 0))[2]
         self.rows.append(
             {
                 "quadratic": Quadratic([max(h.equilibrium, h.constraint) for h in history]),
-                "balance": self._Balance("lower_.*" if rigid else "lower_bottom"),
+                "balance": self._Balance(),
                 "symmetry_error": SymmetryError(table, self.reference, self.n),
                 "sideways": float(np.abs(contact.Force()[:2]).max()),
                 "tangential_share": TangentialTorque(table) / torque,
@@ -68,10 +70,10 @@ class Measured:
             }
         )
 
-    def _Balance(self, held):
+    def _Balance(self):
         """Errors of the balances: forces and moments on the upper block, and on both."""
-        (top, turn), (bottom, back) = self._Reaction("upper_top"), self._Reaction(held)
-        force, torque = self.blocks.contact.Force(), self.blocks.contact.Moment((0, 0, 0))[2]
+        (top, turn), (bottom, back) = self._Reaction("upper_top"), self._Reaction(self.held)
+        force, torque = self.contact.Force(), self.contact.Moment((0, 0, 0))[2]
         size, moment = np.linalg.norm(force), max(abs(torque), 1e-12)
         return {
             "force_upper": float(np.linalg.norm(top + force) / size),
@@ -82,30 +84,29 @@ class Measured:
 
     def _Reaction(self, boundary):
         """Force and moment about the z axis that hold a boundary, from the whole residual."""
-        solver, V = self.blocks.stepper.solver, self.place.space
+        solver, V = self.solver, self.place.space
         residual = solver.gf.vec.CreateVector()
         solver.a.Apply(solver.gf.vec, residual)
-        self.blocks.contact.AddApply(solver.gf.vec, residual)
+        self.contact.AddApply(solver.gf.vec, residual)
         held = np.array(list(V.GetDofs(V.mesh.Boundaries(boundary))), dtype=bool)
         values = np.where(held, residual.FV().NumPy()[: V.ndof], 0.0)
-        current = self.place.vec.FV().NumPy() + self.blocks.displacement.vec.FV().NumPy()
+        current = self.place.vec.FV().NumPy() + self.displacement.vec.FV().NumPy()
         parts = [slice(r.start, r.stop) for r in (V.Range(k) for k in range(3))]
         vertices = V.mesh.nv  # their functions add up to 1
         force = np.array([values[p][:vertices].sum() for p in parts])
         right, back = parts[0], parts[1]
         return force, float(current[right] @ values[back] - current[back] @ values[right])
 
-    def _Figures(self):
-        """Those of the example and the measured ones, of the steps that turn."""
+    def _Figures(self, example, step):
+        """Those of the example and the measured ones, of the steps that turn by this angle."""
         turned = self.rows[2:]
-        figures = {name: values[2:] for name, values in self.blocks.Figures().items()}
+        figures = {name: values[2:] for name, values in example.items()}
         figures |= {name: [row[name] for row in turned] for name in turned[0]}
         balances = figures["balance"]
-        step = np.radians(self.blocks.angle / len(turned))
         work = -TangentialTorque(self.table) * step
         return figures | {
-            "iterations": self.blocks.Figures()["iterations"],
-            "cuts": sum(self.blocks.Figures()["cuts"]),
+            "iterations": example["iterations"],
+            "cuts": sum(example["cuts"]),
             "quadratic_steps": sum(row["quadratic"] for row in self.rows),
             "balance": {name: max(b[name] for b in balances) for name in balances[0]},
             "symmetry_error": max(figures["symmetry_error"]),
@@ -141,12 +142,12 @@ def Twist(quick):
     caption = "Pressures and tractions at the end from above, and the torque over the angle."
 
     def Draw(left, right):
-        blocks, table = elastic.blocks, elastic.table
+        table = elastic.table
         points = left.scatter(*table["x"][:, :2].T, c=table["pressure"], s=60)
         left.figure.colorbar(points, ax=left, label="pressure [MPa]")
         left.quiver(*table["x"][:, :2].T, *table["traction"][:, :2].T, color=ORANGE)
         left.set_aspect("equal")
-        DrawTorque(right, blocks.Figures(), blocks.friction)
+        Torque(full, elastic.friction)(right)
 
     return Outcome(rows, Figure(Draw, columns=2), caption)
 

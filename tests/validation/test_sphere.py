@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import twist
 from case_sphere import PushedSphere
-from movedsphere import SLIP, STICK, Model
-from stickzone import Misfit, TractionMeans
+from cattaneo3d import Partial
+from movedsphere import SLIP, STICK, Sphere
 
 STEPS = 2
 
@@ -23,21 +23,21 @@ def pushed():
 
 @pytest.fixture(scope="module")
 def twisted():
-    """The example, and the state after turning far beyond."""
-    results = twist.Solve(elements=6, steps=3, angle=1.5, press=1)
-    angles = results.problem.Angles(results.states[-1].force[2])
-    states = list(results.states)
-    (last,) = results.model.Turn(4 * angles[-1])
-    return results, states, last
+    """The example, its states, and that after turning far beyond."""
+    figures = twist.Run(elements=6, steps=3, angle=1.5, press=1)
+    sphere, _ = figures["solution"]
+    states = list(sphere.moved)
+    (last,) = sphere.Move("angle", 4 * states[-1].motion["angle"])
+    return figures, states, last
 
 
 def test_loads(pushed, twisted):
-    shears = [row["shear_exact"] for row in pushed.figures["steps"][:STEPS]]
+    shears = [row["shear_exact"] for row in pushed["steps"][:STEPS]]
     assert shears == pytest.approx([0.572, 0.95], abs=2e-3)
-    assert pushed.figures["force_error"] <= 0.01
-    moments = [row["moment_exact"] for row in twisted[0].figures["steps"]]
+    assert pushed["force_error"] <= 0.01
+    moments = [row["moment_exact"] for row in twisted[0]["steps"]]
     assert moments == pytest.approx([0.683, 0.911, 0.977], abs=2e-3)
-    assert twisted[0].figures["moment_error"] <= 0.015
+    assert twisted[0]["moment_error"] <= 0.015
 
 
 def stick(figures, fit, area, rim):
@@ -50,23 +50,24 @@ def stick(figures, fit, area, rim):
     assert figures["newton_max"] <= 10
 
 
-def traction_errors(results, state, exact, part):
+def traction_errors(sphere, state, exact, part):
     """Over friction times the largest pressure, inside of a part of the radius."""
-    hertz = results.problem.Hertz(state.force[2])
-    inside = np.linalg.norm(results.faces.middle, axis=1) < part * hertz.contact_radius
-    means = TractionMeans(results.faces, exact)
+    hertz = sphere.Hertz(state.force[2])
+    inside = np.linalg.norm(sphere.faces.middle, axis=1) < part * hertz.contact_radius
+    means = sphere.Means(exact)
     return (state.traction - means)[inside] / (0.3 * hertz.peak)
 
 
 def test_stick_radius_and_hysteresis(pushed):
-    figures, states = pushed.figures, pushed.states
+    figures, sphere = pushed, pushed["solution"][0]
+    states = sphere.moved
     stick(figures, fit=0.02, area=0.07, rim=0.05)
     rows = figures["steps"]
     assert np.all(np.diff([row["stick_ratio"] for row in rows[:STEPS]]) < -0.1)
     # Displacements of all steps, relative to the one at which the sphere slides.
     assert figures["shift_error"] <= 0.006
     top, back = rows[STEPS - 1], rows[STEPS]
-    alone = pushed.problem.Partial(states[STEPS].force[2], states[STEPS].force[0])
+    alone = Partial(sphere, states[STEPS].force[2], states[STEPS].force[0])
     assert back["shift_half_spaces"] - abs(alone.shift) > 0.15 * top["shift_half_spaces"]
     # Finite bodies matter and are accounted for.
     share = figures["compliance"] * -states[STEPS - 1].force[0] / top["shift"]
@@ -75,9 +76,10 @@ def test_stick_radius_and_hysteresis(pushed):
 
 def test_coulomb(pushed):
     """Tractions lie on the cone where there is slip, and against the slip of the step."""
-    normal = [state.force[2] for state in pushed.states]
+    states = pushed["solution"][0].moved
+    normal = [state.force[2] for state in states]
     assert np.ptp(normal) <= 1e-3 * normal[0]
-    for state in pushed.states:
+    for state in states:
         # The half model carries a force across the plane of symmetry, which the other balances.
         assert abs(state.force[0]) < 0.3 * state.force[2]
         size, bound = np.linalg.norm(state.traction, axis=1), 0.3 * state.pressure
@@ -91,17 +93,18 @@ def test_coulomb(pushed):
 
 def test_traction_profile_at_the_largest_load(pushed):
     """The error is that of the macro-elements at the edge of the contact."""
-    state, exact = pushed.states[STEPS - 1], pushed.exact[STEPS - 1]
-    assert Misfit(pushed.faces, state, exact) <= 0.15
-    errors = traction_errors(pushed, state, exact, 0.75)
+    sphere, exacts = pushed["solution"]
+    state, exact = sphere.moved[STEPS - 1], exacts[STEPS - 1]
+    assert sphere.Misfit(state, exact) <= 0.15
+    errors = traction_errors(sphere, state, exact, 0.75)
     assert np.sqrt((errors**2).mean()) <= 0.06
     assert np.abs(errors[:, 1]).max() <= 0.12
 
 
 def test_where_the_solution_is_exact():
     """For nu = 0 slip has no component across the load. No friction while pressing: no history."""
-    options = dict(elements=4, steps=1, shear=0.8, reverse=0, press=1, nu=0.0, rough=False)
-    figures = PushedSphere(**options).figures
+    options = dict(elements=4, steps=1, shear=0.8, reverse=0, press=1, nu=0.0, smooth=True)
+    figures = PushedSphere(**options)
     assert figures["force_error"] <= 0.004
     assert figures["shift_error"] <= 0.004
     assert figures["stick_fit_error"] <= 0.015
@@ -109,14 +112,15 @@ def test_where_the_solution_is_exact():
 
 
 def test_twist(twisted):
-    results, states, last = twisted
-    stick(results.figures, fit=0.03, area=0.06, rim=0.03)
+    figures, states, last = twisted
+    sphere, exacts = figures["solution"]
+    stick(figures, fit=0.03, area=0.06, rim=0.03)
     # The limit 3 pi/16 F P a; at the middle, slip is too small to tell.
-    exact = results.problem.Twisted(last.force[2], 0.0)
+    exact = twist.Twisted(sphere, last.force[2], 0.0)
     assert -last.moment == pytest.approx(exact.limit, rel=0.02)
     assert last.Radius(STICK) <= 0.2 * exact.hertz.contact_radius
     # Where most of the contact slips tractions are friction times pressure around the axis.
-    errors = traction_errors(results, states[-1], results.exact[-1], 0.8)
+    errors = traction_errors(sphere, states[-1], exacts[-1], 0.8)
     assert np.sqrt((errors**2).sum(axis=1).mean()) <= 0.06
     normal = [state.force[2] for state in [*states, last]]
     assert np.ptp(normal) <= 1e-3 * normal[0]
@@ -125,17 +129,16 @@ def test_twist(twisted):
 @pytest.mark.full
 def test_quarter_and_full_model():
     """Equally coarse, but not the same meshes."""
-    options = dict(elements=3.0, radius=15.0, grading=0.7, press=1, steps=1, angle=0.7)
+    options = dict(elements=3.0, radius=15.0, grading=0.7, press=1)
     ratios, sticks = [], []
     for model in ("quarter", "full"):
-        problem = twist.Problem(model=model, **options)
-        discrete = Model(problem)
-        force = discrete.Press().force[2]
-        state = discrete.Turn(*problem.Angles(force))[-1]
-        exact = problem.Twisted(state.force[2], 0.0)
+        sphere = Sphere(model=model, **options)
+        force = sphere.Press().force[2]
+        state = sphere.Move("angle", *twist.Angles(sphere, force, 1, 0.7))[-1]
+        exact = twist.Twisted(sphere, state.force[2], 0.0)
         ratios.append(-state.moment / exact.limit)
         sticks.append(state.Radius(STICK) / exact.hertz.contact_radius)
     # The meshes have no symmetry, hence a small resultant, relative to friction times pressure.
-    assert np.linalg.norm(state.force[:2]) <= 0.05 * problem.friction * force
+    assert np.linalg.norm(state.force[:2]) <= 0.05 * sphere.friction * force
     assert ratios[0] == pytest.approx(ratios[1], rel=0.04)
     assert sticks[0] == pytest.approx(sticks[1], abs=0.05)

@@ -10,124 +10,79 @@ with::
 
 import math
 
-from command import Columns, Main, NotNegative, Picture, Positive
+import numpy as np
+from command import Main, NotNegative
 from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import *
+from pictures import Curves, Show
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.tools import Sphere
 
-RADIUS, TAIL = 1.0, 0.2
-YOUNG, NU, STRAIN = 1e3, 0.3, 1e-3
+RADIUS, TAIL, STRAIN = 1.0, 0.2, 1e-3
 
 
 def Tangent(angle):
     """Clockwise, at an angle in degrees."""
-    a = math.radians(angle)
-    return math.sin(a), -math.cos(a)
+    return math.sin(math.radians(angle)), -math.cos(math.radians(angle))
 
 
 def BeltMesh(wrap, thickness, h):
     """A belt over the top of the drum with straight ends; "drum", "held", "pulled" and "free"."""
-    left = 90 + wrap / 2
-    x, y = Tangent(left)
-    start = RADIUS * -y - TAIL * x, RADIUS * x - TAIL * y
-    plane = WorkPlane().MoveTo(*start).Direction(x, y)
-    plane.Line(TAIL, "drum").Arc(RADIUS, -wrap).Line(TAIL, "drum")
-    plane.Rotate(90).Line(thickness, "pulled").Rotate(90)
-    plane.Line(TAIL, "free").Arc(RADIUS + thickness, wrap).Line(TAIL, "free")
-    belt = plane.Rotate(90).Line(thickness, "held").Face()
-    for edge in belt.edges:
-        if edge.name is None:
-            start, end = edge.parameter_interval
-            middle = edge.Value((start + end) / 2)  # the center of an arc lies off it
-            inner = math.hypot(middle.x, middle.y) < RADIUS + thickness / 2
-            edge.name = "drum" if inner else "free"
+    x, y = Tangent(90 + wrap / 2)
+    plane = WorkPlane().MoveTo(-RADIUS * y - TAIL * x, RADIUS * x - TAIL * y).Direction(x, y)
+    plane.Line(TAIL, "drum").Arc(RADIUS, -wrap, "drum").Line(TAIL, "drum").Rotate(90)
+    plane.Line(thickness, "pulled").Rotate(90).Line(TAIL, "free")
+    plane.Arc(RADIUS + thickness, wrap, "free").Line(TAIL, "free").Rotate(90)
+    belt = plane.Line(thickness, "held").Face()
     return Mesh(OCCGeometry(belt, dim=2).GenerateMesh(maxh=h)).Curve(3)
 
 
-class Belt:
-    """The belt in contact; `Turn` turns the drum clockwise while the belt is stretched."""
+def Run(wrap=180.0, friction: NotNegative = 0.3, thickness=0.01, h=0.03, out=None):
+    """Turn the drum until everything slips, and stretch the belt.
 
-    def __init__(self, wrap, friction, thickness, h):
-        self.wrap, self.out = wrap, Tangent(90 - wrap / 2)
-        self.mesh = mesh = BeltMesh(wrap, thickness, h)
-        V = VectorH1(mesh, order=2, dirichlet="held|pulled")
-        X = V * LACSpace(V, slave="drum")
-        (u, lam), (v, _) = X.TnT()
-        self.load = Parameter(0)
-        self.a = BilinearForm(X)
-        self.a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, NU), Sym(Grad(v))) * dx
-        length = RADIUS * math.radians(wrap) + 2 * TAIL
-        self.pull = {"pulled": STRAIN * length * self.load * CF(self.out)}
-        drum = Sphere((0, 0), RADIUS).Moved(angle=-0.1 * self.load)
-        self.contact = LACContact(u, lam, obstacle=drum, finite=True, friction=friction)
-        self.gf = GridFunction(X)
-        self.solver = ContactSolver(self.a, self.gf, self.contact)
+    wrap : angle of the arc, in degrees
+    friction : coefficient
+    thickness : of the belt, over the radius of the drum
+    h : longest edge along the belt
+    """
+    mesh = BeltMesh(wrap, thickness, h)
+    V = VectorH1(mesh, order=2, dirichlet="held|pulled")
+    X = V * LACSpace(V, slave="drum")
+    (u, lam), (v, _) = X.TnT()
+    a, gf, load = BilinearForm(X), GridFunction(X), Parameter(0)
+    a += InnerProduct(Stress(Sym(Grad(u)), 1e3, 0.3), Sym(Grad(v))) * dx
+    drum = Sphere((0, 0), RADIUS).Moved(angle=-0.1 * load)
+    contact = LACContact(u, lam, obstacle=drum, finite=True, friction=friction)
+    ends = {"pulled": CF(Tangent(90 - wrap / 2)), "held": CF(Tangent(90 + wrap / 2))}
+    length = RADIUS * math.radians(wrap) + 2 * TAIL
+    pull = {"pulled": STRAIN * length * load * ends["pulled"]}
+    stepper = LoadStepper(ContactSolver(a, gf, contact), load, prescribe=pull)
+    stepper.Integrate(steps=2, printing=False)
 
-    def Turn(self, steps, printing):
-        stepper = LoadStepper(self.solver, self.load, prescribe=self.pull)
-        stepper.Integrate(steps=steps, printing=printing)
-
-    def Tensions(self):
-        """At the pulled end and at the held one: the work of all forces on a motion of each end."""
-        forces, motion = self.gf.vec.CreateVector(), GridFunction(self.gf.space)
-        self.a.Apply(self.gf.vec, forces)
-        self.contact.AddApply(self.gf.vec, forces)
-        tensions = []
-        for end, along in ("pulled", self.out), ("held", Tangent(90 + self.wrap / 2)):
-            motion.vec[:] = 0
-            motion.components[0].Set(CF(along), definedon=self.mesh.Boundaries(end))
-            tensions.append(abs(InnerProduct(forces, motion.vec)))
-        return tensions
-
-    def Profile(self):
-        """Pressure by the angle from the pulled end, in degrees."""
-        table = self.contact.Table()
-        rows = [
-            {"angle": math.degrees(math.atan2(y, x)) - 90 + self.wrap / 2, "pressure": float(p)}
-            for (x, y), p in zip(table["x"], table["pressure"], strict=True)
-        ]
-        return Columns(sorted(rows, key=lambda row: row["angle"]))
-
-
-def Write(belt, friction, folder):
-    found = belt.Profile()
-    with Picture(folder, "belt", size=(6, 3.5)) as axes:
-        axes.plot(found["angle"], found["pressure"], ".", label="computed")
-        tension, _ = belt.Tensions()
-        exact = [tension / RADIUS * math.exp(friction * math.radians(a)) for a in found["angle"]]
-        axes.plot(found["angle"], exact, "k--", lw=0.9, label="T/R")
-        axes.set(xlabel="angle from the pulled end [degrees]", ylabel="pressure [MPa]")
-        axes.set(xlim=(0, belt.wrap), ylim=(0, 1.5 * max(exact)))
-        axes.legend()
-    belt.contact.WriteVTU(folder / "belt_drum", displacement=belt.gf.components[0])
-
-
-def Run(wrap=180.0, friction=0.3, thickness=0.01, h=0.03, out=None, quiet=True):
-    """Turn the drum until everything slips; returns the ratio of the tensions."""
-    belt = Belt(wrap, friction, thickness, h)
-    belt.Turn(2, not quiet)
-    pulled, held = belt.Tensions()
-    exact = math.exp(friction * math.radians(wrap))
-    ratio = held / pulled
+    forces, tension = gf.vec.CreateVector(), {}
+    a.Apply(gf.vec, forces)
+    contact.AddApply(gf.vec, forces)
+    for end, along in ends.items():  # the work of all forces on a motion of this end
+        motion = GridFunction(X)
+        motion.components[0].Set(along, definedon=mesh.Boundaries(end))
+        tension[end] = abs(InnerProduct(forces, motion.vec))
+    ratio, exact = tension["held"] / tension["pulled"], math.exp(friction * math.radians(wrap))
+    print(f"T2/T1 {ratio:.5f}, exp(friction angle) {exact:.5f}")
     assert abs(ratio / exact - 1) < thickness / RADIUS, (ratio, exact)
-    if out:
-        Write(belt, friction, out)
-    if not quiet:
-        print(f"T2/T1 {ratio:.5f}, exp(friction angle) {exact:.5f}")
+
+    table = contact.Table()
+    angle = np.degrees(np.arctan2(*table["x"].T[::-1])) - 90 + wrap / 2
+    along = np.linspace(0, wrap)
+    pressure = tension["pulled"] / RADIUS * np.exp(friction * np.radians(along))
+    curves = {"computed": (angle, table["pressure"], "."), "T/R": (along, pressure, "k--")}
+    profile = Curves("angle from the pulled end [degrees]", "pressure [MPa]", **curves)
+    Show(out, "belt", gf.components[0], profile, drum=contact)
     return {"ratio": ratio, "ratio_exact": exact}
 
 
-main = Main(
-    Run,
-    __doc__,
-    wrap=(Positive, "angle of the arc, in degrees"),
-    friction=(NotNegative, "coefficient"),
-    thickness=(Positive, "of the belt, over the radius of the drum"),
-    h=(Positive, "longest edge along the belt"),
-)
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -14,10 +14,11 @@ stick zone at the leading edge of the width 2a sqrt(1 - Q/(mu P)).
 import math
 
 import numpy as np
-from command import Columns, Main, Picture, Positive
+from command import Main
 from ngsolve import *
+from pictures import Curves, Show
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import NeoHooke
 from ngslac.meshes import geometry
 from ngslac.reference import HertzLine
@@ -27,17 +28,6 @@ DEPTH, SIDE = 15.0, 12.0  # from the surface to the hub; what is meshed on both 
 YOUNG, NU, FRICTION = 1.0, 0.3, 0.3
 AROUND = 1.6  # of the middle of the contact, where the mesh is fine
 SHARES = (0.25, 0.5, 0.75)
-
-
-def Creep(share, halfwidth, radius=RADIUS / 2):
-    """Of half-planes, for the part of the friction that the tangential force takes."""
-    return FRICTION * halfwidth / radius * (1 - math.sqrt(1 - share))
-
-
-def Share(creep, halfwidth, radius=RADIUS / 2):
-    """The inverse of `Creep`."""
-    part = creep * radius / (FRICTION * halfwidth)
-    return 1 - (1 - min(part, 1.0)) ** 2
 
 
 def Roller(name, side, way, h):
@@ -63,120 +53,84 @@ def Roller(name, side, way, h):
     return geometry.Body(sides, name)
 
 
-class Rollers:
-    """Both of them pressed together; `Roll` turns them by the same way, but for the creep.
+def Solve(share, h, way, start=1.0):
+    """Rollers with the creep that belongs to a share, pressed, wound up, and rolled by a way."""
+    bodies = [Roller("upper", 1, way, h), Roller("lower", -1, way, 1.13 * h)]
+    mesh = geometry.GenerateMesh(bodies, order=2, maxh=DEPTH / 4, grading=0.3)
+    V = VectorH1(mesh, order=2, dirichlet="hub_.*")
+    X = V * LACSpace(V, slave="upper")
+    u, lam = X.TrialFunction()
+    a, gf = BilinearForm(X), GridFunction(X)
+    a += Variation(NeoHooke(Id(2) + Grad(u), YOUNG, NU).Compile() * dx)
+    contact = LACContact(u, lam, master="lower", finite=True, friction=FRICTION)
+    solver, creep = (
+        ContactSolver(a, gf, contact),
+        FRICTION / (RADIUS / 2) * (1 - math.sqrt(1 - share)),
+    )
+    down, wound, rolled = Parameter(0), Parameter(0), Parameter(0)
 
-    Parameters
-    ----------
-    creep : float
-        Difference of the speeds of the surfaces over their mean.
-    way : float
-        Of rolling.
-    h : float
-        Edge length on the upper roller.
-    """
-
-    def __init__(self, creep, way, h):
-        self.creep, self.h, self.rows = creep, h, []
-        bodies = [Roller("upper", 1, way, h), Roller("lower", -1, way, 1.13 * h)]
-        self.mesh = geometry.GenerateMesh(bodies, order=2, maxh=DEPTH / 4, grading=0.3)
-        V = VectorH1(self.mesh, order=2, dirichlet="hub_.*")
-        X = V * LACSpace(V, slave="upper")
-        u, lam = X.TrialFunction()
-        a = BilinearForm(X)
-        a += Variation(NeoHooke(Id(2) + Grad(u), YOUNG, NU).Compile() * dx)
-        self.gf = GridFunction(X)
-        self.contact = LACContact(u, lam, master="lower", finite=True, friction=FRICTION)
-        self.solver = ContactSolver(a, self.gf, self.contact)
-        self.down, self.wound, self.way = Parameter(0), Parameter(0), Parameter(0)
-
-    def Hub(self, side):
-        """Displacement of a hub: moved by half of the way down, and turned."""
-        angle = (side * self.way + (self.creep * self.way + self.wound) / 2) / RADIUS
+    def Hub(side):
+        """Moved by half of the way down, and turned."""
+        angle = (side * rolled + (creep * rolled + wound) / 2) / RADIUS
         below = y - side * RADIUS  # from the axis
         turned = cos(angle) * x - sin(angle) * below, sin(angle) * x + cos(angle) * below
-        return CF((turned[0] - x, turned[1] - below - side * self.down / 2))
+        return CF((turned[0] - x, turned[1] - below - side * down / 2))
 
-    def Go(self, parameter, end, steps, printing, callback=None):
-        hubs = {"hub_upper": self.Hub(1), "hub_lower": self.Hub(-1)}
-        stepper = LoadStepper(self.solver, parameter, prescribe=hubs)
-        stepper.Integrate(end, steps=steps, printing=printing, callback=callback)
+    hubs, rows = {"hub_upper": Hub(1), "hub_lower": Hub(-1)}, []
 
-    def Press(self, printing):
-        """Until the contact is about 2 wide."""
-        approach = 1.1 * (2 * math.log(2 * DEPTH) - NU / (1 - NU)) / (2 * RADIUS)
-        self.Go(self.down, approach, 4, printing)
+    def Go(parameter, end, steps, callback=None):
+        stepper = LoadStepper(solver, parameter, prescribe=hubs)
+        stepper.Integrate(end, steps=steps, printing=False, callback=callback)
 
-    def Wind(self, share, printing):
-        """Wind the hubs against each other until friction takes about this share.
-
-        Creep alone would take a way of 10 a for that, since the rollers are soft.
-        """
-        first = FRICTION * share * self.down.Get()
-        self.Go(self.wound, first, 1, printing)
-        self.Go(self.wound, first * share / self.share, 1, printing)
-        self.softness = self.wound.Get() / self.share
-
-    def Roll(self, way, printing):
-        """By an edge in each step; what is measured is noted."""
-
-        def Note(step):
-            self.rows.append({"way": step.time, "share": self.share})
-
-        self.Go(self.way, way, math.ceil(way / self.h), printing, Note)
-        self._Measure()
-
-    def _Measure(self):
-        """Mean share and creep on the second half of the way.
-
-        What still winds up the rollers is no creep of their surfaces.
-        """
-        way, share = np.transpose([(row["way"], row["share"]) for row in self.rows])
-        late = way > way[-1] / 2 - 1e-9
-        growth = np.polyfit(way[late], share[late], 1)[0]
-        self.creep_found = self.creep - self.softness * growth
-        self.share_found = float(share[late].mean())
-
-    @property
-    def share(self):
+    def Taken():
         """Tangential force over what friction can carry."""
-        along, force = self.contact.Force()
+        along, force = contact.Force()
         return -float(along / force) / FRICTION
 
-    def Profile(self):
-        """Place over the half width, pressure, traction over friction, stick; of what touches."""
-        table, hertz = self.contact.Table(), self.hertz
-        closed = table["status"] > 0
-        place, normal = table["x"][closed, 0], table["normal"][closed]
-        traction = table["traction"][closed] @ [1.0, 0.0]
-        traction += table["pressure"][closed] * normal[:, 0]
-        return {
-            "place": place / hertz.halfwidth,
-            "pressure": table["pressure"][closed] / hertz.peak,
-            "traction": -traction / (FRICTION * hertz.peak),
-            "stick": table["status"][closed] == 1,
-        }
+    # Until the contact is about 2 wide.
+    approach = 1.1 * (2 * math.log(2 * DEPTH) - NU / (1 - NU)) / (2 * RADIUS)
+    Go(down, approach, 4)
+    # Creep alone would take a way of 10 a until friction takes this share: the rollers are soft.
+    first = FRICTION * start * share * approach
+    Go(wound, first, 1)
+    Go(wound, first * start * share / Taken(), 1)
+    softness = wound.Get() / Taken()
+    Go(rolled, way, math.ceil(way / h), lambda step: rows.append((step.time, Taken())))
 
-    def StickWidth(self):
-        """Over the width of the contact; stick begins where the surfaces come in."""
-        found = self.Profile()
-        first = int(np.argmin(found["stick"])) if not found["stick"].all() else len(found["stick"])
-        assert not found["stick"][first:].any(), found
-        ends = (found["place"][1:] + found["place"][:-1]) / 2
-        end = ends[first - 1] if first < len(found["place"]) else 1.0
-        return (end + 1) / 2
+    # Means of the second half of the way; what still winds the rollers up is no creep.
+    ways, shares = np.transpose(rows)
+    late = ways > ways[-1] / 2 - 1e-9
+    creep -= softness * np.polyfit(ways[late], shares[late], 1)[0]
+    bodies = {"young1": YOUNG, "young2": YOUNG, "nu1": NU, "nu2": NU}
+    force = float(contact.Force()[1])
+    hertz = HertzLine(force=force, radius1=RADIUS, radius2=RADIUS, **bodies)
+    taken = min(creep * RADIUS / 2 / (FRICTION * hertz.halfwidth), 1.0)
+    table = contact.Table()
+    closed = table["status"] > 0
+    place, pressure = table["x"][closed, 0] / hertz.halfwidth, table["pressure"][closed]
+    traction = -table["traction"][closed, 0] - pressure * table["normal"][closed, 0]
+    return (
+        {
+            "creep": creep,
+            "share": float(shares[late].mean()),
+            "share_exact": 1 - (1 - taken) ** 2,
+            "stick": StickWidth(place, table["status"][closed] == 1),
+            "halfwidth": hertz.halfwidth,
+        },
+        {
+            "path": (ways, shares, ".-"),
+            "profile": (place, traction / (FRICTION * hertz.peak), "."),
+        },
+        (gf.components[0], contact),
+    )
 
-    @property
-    def exact(self):
-        """Carter's share for the creep that was found."""
-        return Share(self.creep_found, self.hertz.halfwidth)
 
-    @property
-    def hertz(self):
-        """For the force that presses."""
-        material = {"young1": YOUNG, "young2": YOUNG, "nu1": NU, "nu2": NU}
-        force = float(self.contact.Force()[1])
-        return HertzLine(force=force, radius1=RADIUS, radius2=RADIUS, **material)
+def StickWidth(place, sticks):
+    """Over the width of the contact; stick begins where the surfaces come in."""
+    first = len(sticks) if sticks.all() else int(np.argmin(sticks))
+    assert not sticks[first:].any(), sticks
+    end = (place[first - 1] + place[first]) / 2 if first < len(place) else 1.0
+    return (end + 1) / 2
 
 
 def Traction(place, share):
@@ -189,63 +143,35 @@ def Traction(place, share):
     return Ellipse(place, 1) - Ellipse(place + 1 - half, half)
 
 
-def Write(found, folder):
-    place = np.linspace(-1, 1, 400)
-    with Picture(folder, "carter", 1, 2, size=(9, 3.5)) as (left, right):
-        for rollers in found:
-            rows, exact = Columns(rollers.rows), rollers.exact
-            (line,) = left.plot(rows["way"], rows["share"], ".-", ms=3)
-            left.axhline(exact, color="k", ls="--", lw=0.8)
-            profile = rollers.Profile()
-            right.plot(profile["place"], profile["traction"], "o", ms=3, color=line.get_color())
-            right.plot(place, Traction(place, exact), color=line.get_color(), lw=0.9)
-        right.plot(place, np.sqrt(1 - place**2), "k--", lw=0.8)
-        left.set(xlabel="way over half width", ylabel="Q / (mu P)", ylim=(0, 1))
-        right.set(xlabel="place over half width", ylabel="traction / (mu p0)")
-    found[-1].contact.WriteVTU(folder / "carter", displacement=found[-1].gf.components[0])
+def Run(shares=SHARES, h=0.125, way=4.0, start=1.0, out=None):
+    """Roll with the creeps that belong to some shares.
 
-
-def Solve(share, h, way, start=1.0, printing=False):
-    """Rollers with the creep that belongs to a share, after rolling."""
-    rollers = Rollers(Creep(share, 1.0), way, h)
-    rollers.Press(printing)
-    rollers.Wind(start * share, printing)
-    rollers.Roll(way, printing)
-    return rollers
-
-
-def Run(shares=SHARES, h=0.125, way=4.0, start=1.0, out=None, quiet=True):
-    """Roll with the creeps that belong to some shares; returns what is measured."""
+    shares : Q/(mu P) by Carter, one for each creep
+    h : edge length, and way of each step
+    way : of rolling
+    start : Q before the rollers roll, over that of Carter
+    """
     if max(shares) >= 1:
         raise ValueError(f"shares = {shares} must be less than 1: the rollers would slide")
-    found = [Solve(share, h, way, start) for share in shares]
-    figures = {
-        "creep": [rollers.creep_found for rollers in found],
-        "share": [rollers.share_found for rollers in found],
-        "share_exact": [rollers.exact for rollers in found],
-        "stick": [rollers.StickWidth() for rollers in found],
-        "halfwidth": found[0].hertz.halfwidth,
-    }
-    for share, exact in zip(figures["share"], figures["share_exact"], strict=True):
-        assert abs(share - exact) < h / 4, (share, exact)  # half an edge over the width
-    if out:
-        Write(found, out)
-    if not quiet:
-        for rollers in found:
-            share, exact = rollers.share_found, rollers.exact
-            print(f"creep {rollers.creep_found:.5f}: Q/(mu P) {share:.4f}, Carter {exact:.4f};")
-            print(f"sticks on {rollers.StickWidth():.3f}, Carter {math.sqrt(1 - exact):.3f}")
-    return figures
+    found, curves, solutions = zip(*(Solve(share, h, way, start) for share in shares), strict=True)
+    paths, profiles, place = {}, {}, np.linspace(-1, 1, 400)
+    for each, curve in zip(found, curves, strict=True):
+        share, exact, stick = (each[name] for name in ("share", "share_exact", "stick"))
+        print(f"creep {each['creep']:.5f}: Q/(mu P) {share:.4f}, Carter {exact:.4f};")
+        print(f"sticks on {stick:.3f}, Carter {math.sqrt(1 - exact):.3f}")
+        assert abs(share - exact) < h / 4  # half an edge over the width
+        name = f"creep {each['creep']:.5f}"
+        paths |= {name: curve["path"], f"{name}, Carter": ([0, way], [exact] * 2, "k--")}
+        profiles |= {name: curve["profile"]}
+        profiles |= {f"{name}, Carter": (place, Traction(place, exact), "k-")}
+    Show(out, "carter", solutions[-1][0], Curves("way over half width", "Q / (mu P)", **paths),
+         Curves("place over half width", "traction / (mu p0)", **profiles),
+         upper=solutions[-1][1])  # fmt: skip
+    figures = {name: [each[name] for each in found] for name in found[0]}
+    return figures | {"halfwidth": found[0]["halfwidth"]}
 
 
-main = Main(
-    Run,
-    __doc__,
-    shares=(Positive, "Q/(mu P) by Carter, one for each creep"),
-    h=(Positive, "edge length, and way of each step"),
-    way=(Positive, "of rolling"),
-    start=(Positive, "Q before the rollers roll, over that of Carter"),
-)
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

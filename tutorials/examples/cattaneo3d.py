@@ -14,131 +14,107 @@ about a twentieth of friction times the peak pressure (figure "lateral", best se
 --elements 6``), and hardly a different resultant.
 """
 
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from command import Positive
-from movedsphere import BulkCompliance, Sphere
-from stickzone import FIRST, Example, Results, Row, Summary
+from command import Main, NotNegative, Positive
+from movedsphere import FIRST, BulkCompliance, Sphere
 
 from ngslac.reference import CattaneoMindlinPoint
 
-COLUMNS = ["shift_half_spaces", "shift_exact", "shear", "shear_exact", "stick_ratio"]
-COLUMNS += ["stick_ratio_fit", "stick_ratio_exact", "lateral"]
+
+def Partial(sphere, force, shear):
+    """Mindlin's solution for a normal and a tangential force."""
+    hertz = sphere.Hertz(force)
+    return CattaneoMindlinPoint(hertz=hertz, shear=shear, friction=sphere.friction)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Problem(Sphere):
-    """What to compute: the fields of `Sphere`, and the path of the load."""
-
-    model: str = "half"
-    elements: float = 4.0
-    shear: float = 0.95  # largest tangential force over friction times normal force
-    reverse: int = 2  # steps back from there, to half the opposite force
-
-    def __post_init__(self):
-        if self.shear >= 1:
-            raise ValueError(f"shear = {self.shear} must be less than 1: the sphere would slide")
-        if self.reverse < 0:
-            raise ValueError(f"reverse = {self.reverse} must not be less than 0")
-
-    def Partial(self, force, shear):
-        """Mindlin's solution for a normal and a tangential force."""
-        return CattaneoMindlinPoint(hertz=self.Hertz(force), shear=shear, friction=self.friction)
-
-    def Shifted(self, force, shift):
-        """Mindlin's solution for a normal force and a displacement."""
-        start = {"hertz": self.Hertz(force), "friction": self.friction}
-        return CattaneoMindlinPoint.FromShift(shift=shift, **start)
-
-    def Path(self, force):
-        """Solutions to aim at, at a normal force: up to the largest shear, and back."""
-        limit = self.friction * force
-        top = self.Partial(force, -self.shear * limit)
-        parts = np.arange(1, self.steps + 1) / self.steps
-        up = [self.Shifted(force, part * top.shift) for part in parts]
-        back = np.arange(1, self.reverse + 1) / max(1, self.reverse)
-        first = self.Partial(force, -FIRST * limit)
-        return [first] + up + [top.Reverse(top.shear * (1 - 1.5 * part)) for part in back]
+def Shifted(sphere, force, shift):
+    """Mindlin's solution for a normal force and a displacement."""
+    start = {"hertz": sphere.Hertz(force), "friction": sphere.friction}
+    return CattaneoMindlinPoint.FromShift(shift=shift, **start)
 
 
-def Solve(callback=None, **options):
-    """Press and push; the results."""
-    results = Results(Problem(**options))
-    problem, model = results.problem, results.model
-    force = model.Press(callback).force[2]
-    compliance = BulkCompliance(model)
-    ends = [-exact.shift - compliance * exact.shear for exact in problem.Path(force)]
-    model.Shift(*ends, callback=callback)
-    results.exact = _Exact(problem, results.states)
-    results.figures = _Figures(results, compliance)
-    return results
+def Path(sphere, force, steps, shear, reverse):
+    """Solutions to aim at: up to the largest shear, and back to half the opposite force."""
+    limit = sphere.friction * force
+    top = Partial(sphere, force, -shear * limit)
+    up = [Shifted(sphere, force, k / steps * top.shift) for k in range(1, steps + 1)]
+    back = [top.Reverse(top.shear * (1 - 1.5 * k / reverse)) for k in range(1, reverse + 1)]
+    return [Partial(sphere, force, -FIRST * limit), *up, *back]
 
 
-def _Exact(problem, states):
-    """Mindlin's solutions for the computed forces."""
-    exact = [problem.Partial(s.force[2], s.force[0]) for s in states[: problem.steps]]
-    return exact + [exact[-1].Reverse(s.force[0]) for s in states[problem.steps :]]
+def Run(
+    model: Literal["half", "full"] = "half", elements=4.0, order: Literal[1, 2, 3] = 2,
+    stabilize: Literal["none", "bubble"] = "bubble", friction: Positive = 0.3,
+    nu: NotNegative = 0.3, steps=5, shear=0.95, reverse: int = 2, smooth=False, press=2, out=None
+):  # fmt: skip
+    """Press and push.
 
+    model : part that is computed
+    elements : element edges along the contact radius
+    order : order of the displacement
+    stabilize : how macro-elements are made
+    friction : coefficient of friction
+    nu : Poisson's ratio
+    steps : steps of the tangential load
+    shear : largest Q/(F P)
+    reverse : steps back
+    smooth : no friction while pressing
+    """
+    if shear >= 1:
+        raise ValueError(f"shear = {shear} must be less than 1: the sphere would slide")
+    if reverse < 0:
+        raise ValueError(f"reverse = {reverse} must not be less than 0")
+    sphere = Sphere(model=model, elements=elements, order=order, stabilize=stabilize,
+                    friction=friction, nu=nu, smooth=smooth, press=press)  # fmt: skip
+    pressed, compliance = sphere.Press(), BulkCompliance(sphere)
+    path = Path(sphere, pressed.force[2], steps, shear, reverse)
+    first = sphere.Move("shift", *(-exact.shift - compliance * exact.shear for exact in path))[0]
+    exact, rows = [], []
+    for number, state in enumerate(sphere.moved):
+        loading, (along, _, force) = number < steps, state.force
+        exact.append(Partial(sphere, force, along) if loading else exact[steps - 1].Reverse(along))
+        hertz, limit = sphere.Hertz(force), sphere.friction * force
+        half_spaces = state.motion["shift"] + compliance * along
+        wanted = Shifted(sphere, force, -half_spaces).shear if loading else None
+        across = np.abs(state.traction[:, 1]).max()
 
-def _Row(results, step, compliance):
-    """Figures of a step."""
-    problem, state, loading = results.problem, results.states[step], step < results.problem.steps
-    hertz, shift = problem.Hertz(state.force[2]), state.motion["shift"]
-    limit, half_spaces = problem.friction * hertz.force, shift + compliance * state.force[0]
-    exact = problem.Shifted(hertz.force, -half_spaces).shear if loading else None
+        def Part(part, force=force, limit=limit):
+            return Partial(sphere, force, -part * limit)
 
-    def Partial(part):
-        return problem.Partial(hertz.force, -part * limit)
-
-    return {
-        "shift": shift,
-        "shift_half_spaces": half_spaces,
-        "shift_exact": -results.exact[step].shift,
-        "shear": -state.force[0] / limit,
-        "shear_exact": -exact / limit if loading else None,
-        "lateral": np.abs(state.traction[:, 1]).max() / (problem.friction * hertz.peak),
-    } | Row(results, step, Partial if loading else None)
-
-
-def _Stiffness(results, compliance):
-    """Force over displacement before slip, relative to that of half-spaces that stick."""
-    problem = results.problem
-    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
-    force = pressed.force[0] - first.force[0]
-    a = problem.Hertz(first.force[2]).contact_radius
-    exact = 4 * problem.shear_modulus * a / (2 - problem.nu)
-    return force / (first.motion["shift"] - compliance * force) / exact
-
-
-def _Figures(results, compliance):
-    problem = results.problem
-    rows = [_Row(results, step, compliance) for step in range(len(results.states))]
-    force = results.states[0].force[2]
-    slides = abs(problem.Partial(force, problem.friction * force).shift)
-    return {
-        "stiffness_ratio": _Stiffness(results, compliance),
-        "force_error": max(abs(r["shear"] / r["shear_exact"] - 1) for r in rows[: problem.steps]),
+        row = {
+            "shift": state.motion["shift"],
+            "shift_half_spaces": half_spaces,
+            "shift_exact": -exact[-1].shift,
+            "shear": -along / limit,
+            "shear_exact": -wanted / limit if loading else None,
+            "lateral": across / (sphere.friction * hertz.peak),
+        }
+        rows.append(row | sphere.Row(state, exact[-1], Part if loading else None))
+    # Force over displacement before slip, relative to that of half-spaces that stick.
+    force, a = pressed.force[0] - first.force[0], sphere.Hertz(first.force[2]).contact_radius
+    stiffness = force / (first.motion["shift"] - compliance * force)
+    normal = sphere.moved[0].force[2]
+    slides = abs(Partial(sphere, normal, sphere.friction * normal).shift)
+    figures = {
+        "stiffness_ratio": stiffness * (2 - sphere.nu) / (4 * sphere.shear_modulus * a),
+        "force_error": max(abs(r["shear"] / r["shear_exact"] - 1) for r in rows[:steps]),
         "shift_error": max(abs(r["shift_half_spaces"] - r["shift_exact"]) for r in rows) / slides,
         "compliance": compliance,
-        **Summary(results.model, rows),
     }
+    figures |= sphere.Summary(rows)
+    columns = ["shift_half_spaces", "shift_exact", "shear", "shear_exact", "stick_ratio"]
+    columns += ["stick_ratio_fit", "stick_ratio_exact", "lateral"]
+    sphere.Tell(figures, columns, "force_error", "shift_error")
+    assert max(figures["force_error"], figures["shift_error"]) < 0.2 / elements, figures
+    assert figures["stick_error"] < 0.4 / elements, figures
+    curve = ("shift_half_spaces", "shear"), ("shift_exact", "shear")
+    sphere.Show(out, "cattaneo3d", rows, *curve)
+    return figures | {"solution": (sphere, exact)}
 
 
-main = Example(
-    "cattaneo3d",
-    Solve,
-    __doc__,
-    Problem,
-    ("half", "full"),
-    load=lambda state: f"P = {state.force[2]:9.3f} N",
-    columns=COLUMNS,
-    told=("force_error", "shift_error"),
-    curves=(("shift_half_spaces", "shear"), ("shift_exact", "shear")),
-    shear=(Positive, "largest Q/(F P)"),
-    reverse=(int, "steps back"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

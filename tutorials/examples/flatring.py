@@ -13,18 +13,20 @@ both plates agree to rounding.
 """
 
 import numpy as np
-from command import Columns, Count, Main, NotNegative, Picture, Positive
+from command import Main, NotNegative
 from netgen.occ import Circle, Compound, MoveTo, OCCGeometry, Y
 from ngsolve import *
+from pictures import Bodies, Curves, Show
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 
-PLATE = 0.2  # thickness
-LAME = 3.0  # first Lame parameter over the shear modulus
+PLATE, LAME = 0.2, 3.0  # thickness; first Lame parameter over the shear modulus
 
 
 def RingMesh(h, thickness, quarter):
     """The right half of the ring (or a quarter) between plates, not matching them."""
+    if not thickness < 1:
+        raise ValueError(f"thickness = {thickness} must be less than the radius 1")
     lower = 0 if quarter else -2
     ring = Circle((0, 0), 1).Face() - Circle((0, 0), 1 - thickness).Face()
     ring = ring * MoveTo(0, lower).Rectangle(2, 2 - lower).Face()
@@ -44,115 +46,81 @@ def RingMesh(h, thickness, quarter):
         face.edges.name = "fixed"
         face.edges.Min(side).name = "floor" if quarter and name == "bottom" else "plate"
     ring.faces.name = "ring"
-    geometry = OCCGeometry(Compound([ring, *plates]), dim=2)
-    return Mesh(geometry.GenerateMesh(maxh=h)).Curve(2)
+    return Mesh(OCCGeometry(Compound([ring, *plates]), dim=2).GenerateMesh(maxh=h)).Curve(2)
 
 
-class Ring:
-    """Ring, plates and solver; `rows` has an entry for each step."""
+def Problem(h, thickness=0.15, friction=0.2, quarter=False):
+    """The stepper of the travel, and the contacts inside and outside."""
+    mesh = RingMesh(h, thickness, quarter)
+    symmetry = {"dirichletx": "axis"} | ({"dirichlety": "middle"} if quarter else {})
+    V = VectorH1(mesh, order=2, dirichlet=f"fixed|plate{'|floor' * quarter}", **symmetry)
+    X = V * LACSpace(V, slave="inner") * LACSpace(V, slave="outer")
+    u, inner, outer = X.TrialFunction()
+    F = Id(2) + Grad(u)
+    energy = (InnerProduct(F, F) - 2) / 2 - log(Det(F)) + LAME / 2 * log(Det(F)) ** 2
+    a, gf, travel = BilinearForm(X), GridFunction(X), Parameter(0)
+    a += Variation(energy.Compile() * dx)
+    # By symmetry the two sides of the inside do not rub, but they would rub on a plane.
+    options = {"friction": None, "master": "floor"} if quarter else {"friction": friction}
+    options = {"master": "inner", "penetration": thickness / 2, "finite": True} | options
+    inside = LACContact(u, inner, **options)
+    outside = LACContact(u, outer, master="plate", friction=friction, finite=True)
+    top, plate = mesh.Materials("top"), GridFunction(V)
+    moved = np.fromiter(V.GetDofs(top), dtype=bool)
 
-    def __init__(self, h=0.12, thickness=0.15, friction=0.2, quarter=False):
-        if not thickness < 1:
-            raise ValueError(f"thickness = {thickness} must be less than the radius 1")
-        self.mesh, self.quarter, self.rows = RingMesh(h, thickness, quarter), quarter, []
-        symmetry = {"dirichletx": "axis"} | ({"dirichlety": "middle"} if quarter else {})
-        held = "fixed|plate|floor" if quarter else "fixed|plate"
-        V = VectorH1(self.mesh, order=2, dirichlet=held, **symmetry)
-        space = V * LACSpace(V, slave="inner") * LACSpace(V, slave="outer")
-        u, lam_inside, lam_outside = space.TrialFunction()
-        F = Id(2) + Grad(u)
-        energy = (InnerProduct(F, F) - 2) / 2 - log(Det(F)) + LAME / 2 * log(Det(F)) ** 2
-        a = BilinearForm(space)
-        a += Variation(energy.Compile() * dx)
-        gf = GridFunction(space)
-        self.displacement = gf.components[0]
-        self.inside = LACContact(
-            u,
-            lam_inside,
-            master="floor" if quarter else "inner",
-            # By symmetry the two sides of the inside do not rub, but they would rub on a plane.
-            friction=None if quarter else friction,
-            penetration=thickness / 2,
-            finite=True,
-        )
-        self.outside = LACContact(u, lam_outside, master="plate", friction=friction, finite=True)
-        self.travel = Parameter(0)
-        self.top = np.fromiter(V.GetDofs(self.mesh.Materials("top")), dtype=bool)
-        solver = ContactSolver(a, gf, [self.inside, self.outside])
-        self.stepper = LoadStepper(solver, self.travel, prescribe=self._MovePlate)
+    def Move(gf):  # all of the upper plate, not its rim alone, which would crush its elements
+        plate.Set(CF((0, -travel.Get() / (2 if quarter else 1))), definedon=top)
+        gf.components[0].vec.FV().NumPy()[moved] = plate.vec.FV().NumPy()[moved]
 
-    def _MovePlate(self, gf):
-        """All of the upper plate goes down, not its rim alone, which would crush its elements."""
-        plate = GridFunction(self.displacement.space)
-        way = self.travel.Get() / (2 if self.quarter else 1)
-        plate.Set(CF((0, -way)), definedon=self.mesh.Materials("top"))
-        gf.components[0].vec.FV().NumPy()[self.top] = plate.vec.FV().NumPy()[self.top]
-
-    def Press(self, travel, steps, printing=False):
-        """Bring the plates together by `travel` in equal steps."""
-        self.stepper.Integrate(travel, steps=steps, printing=printing, callback=self._Record)
-
-    def _Record(self, step):
-        forces = self.outside.form.Resultants()["force"][:, 1]
-        heights = self.outside.Table()["x"][:, 1]
-        above = heights > (-np.inf if self.quarter else heights.mean())
-        inner = self.inside.form.Resultants()["force"][:, 1]
-        self.rows.append(
-            {
-                "travel": step.time,
-                "force": float(-forces[above].sum()),  # per length, in G R
-                "force_below": float(forces[~above].sum()),
-                "force_inside": float(np.abs(inner).sum()),
-                "closed_inside": int(np.sum(self.inside.Table()["status"] > 0)),
-                "iterations": step.iterations,
-                "cuts": step.cuts,
-            }
-        )
-
-    def Figures(self):
-        """Each number of the steps as a list."""
-        return Columns(self.rows)
+    solver = ContactSolver(a, gf, [inside, outside])
+    return LoadStepper(solver, travel, prescribe=Move), inside, outside
 
 
-def Write(ring, folder):
-    """Curves of the forces and the pressures as a picture; the surfaces for ParaView."""
-    figures = ring.Figures()
-    with Picture(folder, "flatring", columns=2, size=(10, 4)) as (left, right):
-        for name in ("force", "force_inside"):
-            left.plot(figures["travel"], figures[name], "o-", ms=3, label=name.replace("_", " "))
-        left.set(xlabel="travel / R", ylabel="force / (G R)")
-        left.set_yscale("symlog", linthresh=1e-3)
-        left.legend()
-        ring.outside.Plot("pressure", deformation=ring.displacement, axes=right)
-    ring.inside.WriteVTU(folder / "flatring_inside", displacement=ring.displacement)
-    ring.outside.WriteVTU(folder / "flatring_outside", displacement=ring.displacement)
+def Run(
+    h=0.12,
+    thickness=0.15,
+    friction: NotNegative = 0.2,
+    travel=1.71,
+    steps=38,
+    quarter=False,
+    out=None,
+):
+    """Press the ring flat: forces per length, in G R.
+
+    h : edge length
+    thickness : of the ring
+    friction : coefficient
+    travel : by which the plates approach each other
+    steps : load steps
+    quarter : a rigid plane in the middle
+    """
+    stepper, inside, outside = Problem(h, thickness, friction, quarter)
+    forces = {"force": [], "force_below": [], "force_inside": [], "closed_inside": []}
+
+    def Note(step):
+        up, heights = outside.form.Resultants()["force"][:, 1], outside.Table()["x"][:, 1]
+        above = heights > (-np.inf if quarter else heights.mean())
+        forces["force"].append(-up[above].sum())
+        forces["force_below"].append(up[~above].sum())
+        forces["force_inside"].append(np.abs(inside.form.Resultants()["force"][:, 1]).sum())
+        forces["closed_inside"].append(int(np.sum(inside.Table()["status"] > 0)))
+
+    stepper.Integrate(travel, steps=steps, printing=False, callback=Note)
+    table, moved = stepper.Table(), stepper.solver.gf.components[0]
+    force, below, within = (forces[name] for name in ("force", "force_below", "force_inside"))
+    print(f"force on the plate {force[-1]:.5g} G R, on the inside {within[-1]:.5g} G R")
+    assert abs(table["load"][-1] - travel) < 1e-9
+    assert quarter or np.allclose(force, below, rtol=1e-9)
+    way = table["load"]
+    curves = {"force": (way, force, ".-"), "force_inside": (way, within, ".-")}
+    Show(out, "flatring", moved, Bodies(moved),
+         Curves("travel / R", "force / (G R)", yscale="symlog", **curves),
+         inside=inside, outside=outside)  # fmt: skip
+    columns = {name: table[name].tolist() for name in ("iterations", "cuts")}
+    return forces | columns | {"travel": way.tolist(), "converged_steps": len(way)}
 
 
-def Run(travel=1.71, steps=38, out=None, quiet=True, **options):
-    """Press the ring flat; the options are those of `Ring`. Returns the numbers of the steps."""
-    ring = Ring(**options)
-    ring.Press(travel, steps, printing=not quiet)
-    figures = ring.Figures() | {"steps": steps, "converged_steps": len(ring.rows)}
-    if out:
-        Write(ring, out)
-    if not quiet:
-        force, inside = figures["force"][-1], figures["force_inside"][-1]
-        print(f"force on the plate {force:.5g} G R, on the inside {inside:.5g} G R")
-    return figures
-
-
-main = Main(
-    Run,
-    __doc__,
-    Ring,
-    h=(Positive, "edge length"),
-    thickness=(Positive, "of the ring"),
-    friction=(NotNegative, "coefficient"),
-    travel=(Positive, "by which the plates approach each other"),
-    steps=(Count, "load steps"),
-    quarter=(bool, "a rigid plane in the middle"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

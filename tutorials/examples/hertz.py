@@ -12,13 +12,15 @@ pressure at the origin by about 1.6 %.
 """
 
 import math
+from types import SimpleNamespace
+from typing import Literal
 
 import numpy as np
-from command import Count, Main, Mosaic, NotNegative, Positive
-from deformed import Smooth
+from command import Main, NotNegative
 from ngsolve import *
+from pictures import Bodies, Curves, Show
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.meshes import HertzMesh
 from ngslac.reference import HertzLine
@@ -30,102 +32,18 @@ SIDES = {"cylinder": "slave", "block": "master"}  # names in the mesh
 
 def Exact(t=1.0):
     """Hertz' solution at the load factor t."""
-    one, two = YOUNG["cylinder"], YOUNG["block"]
+    one, two = YOUNG.values()
     return HertzLine(force=FORCE * t, radius1=RADIUS, young1=one, nu1=NU, young2=two, nu2=NU)
 
 
-def Displacements(slave, order=2, h=0.5, stabilize="none", full=False, **placed):
-    """Their space, held at the bottom and on the line of symmetry.
-
-    Order 1 has macro-elements of two faces, unless `stabilize` is "bubble" or "split".
-    """
-    mesh = HertzMesh(h, order=max(2, order), half=not full, **placed)
-    flags = {"order": order, "dirichletx": "bottom|sym", "dirichlety": "bottom"}
-    if stabilize == "bubble":
-        return BubbleVectorH1(mesh, slave=slave, **flags)
-    return VectorH1(SplitSlaveFaces(mesh, slave) if stabilize == "split" else mesh, **flags)
-
-
-class Hertz:
-    """Bodies, load and solver; `states` has an entry for each load step.
-
-    One millimetre is `length` and one MPa `stress` in the units of the computation, and the full
-    model can be turned by `angle` in degrees: the states, in mm and MPa, do not depend on these.
-    The load is the `power` of the load parameter; with 2 the contact grows evenly.
-    """
-
-    def __init__(
-        self,
-        *,
-        friction=0.2,
-        slave="cylinder",
-        finite=False,
-        full=False,
-        length=1.0,
-        stress=1.0,
-        angle=0.0,
-        power=1,
-        **options,
-    ):
-        if angle and not full:
-            raise ValueError(f"angle = {angle}: the half model cannot be turned, use full=True")
-        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-        self.frame = np.array([[c, s], [-s, c]])  # directions along the block, and up
-        self.length, self.unit, self.friction, self.states = length, stress, friction, []
-        self.load, self.power = FORCE * length * stress * (1 if full else 0.5), power
-        side, other = SIDES[slave], SIDES["block" if slave == "cylinder" else "cylinder"]
-        V = Displacements(side, full=full, scale=length, angle=angle, **options)
-        self.mesh, X = V.mesh, V * LACSpace(V, slave=side)
-        (u, lam), (v, _) = X.TnT()
-        t, self.gf = Parameter(0.0), GridFunction(X)
-        self.displacement = self.gf.components[0]
-        young = self.mesh.MaterialCF({name: E * stress for name, E in YOUNG.items()})
-        right, up = (CF(tuple(direction)) for direction in self.frame)
-        a = BilinearForm(X)
-        a += InnerProduct(Stress(Sym(Grad(u)), young, NU), Sym(Grad(v))) * dx
-        line = ds(definedon=self.mesh.BBoundaries("load"))
-        a += t**power * self.load * InnerProduct(up, v) * line
-        if full:  # springs against rolling, without force by symmetry
-            axis = ds(definedon=self.mesh.BBoundaries("load|foot"))
-            a += YOUNG["cylinder"] * stress * InnerProduct(right, u) * InnerProduct(right, v) * axis
-        self.stress = Stress(Sym(Grad(self.displacement)), young, NU)
-        self.shear = sqrt((self.stress[0, 0] - self.stress[1, 1]) ** 2 / 4 + self.stress[0, 1] ** 2)
-        self.contact = LACContact(u, lam, master=other, friction=friction or None, finite=finite)
-        self.stepper = LoadStepper(ContactSolver(a, self.gf, self.contact), t)
-        self.spans = self._Spans(X.components[1].macros)
-
-    def _Spans(self, macros):
-        """First and last x of each macro-element, from the ends of its faces."""
-        spans = np.full((max(macros) + 1, 2), (np.inf, -np.inf))
-        for el, macro in zip(self.mesh.Elements(BND), macros, strict=True):
-            if macro >= 0:
-                points = np.array([self.mesh.vertices[v.nr].point for v in el.vertices])
-                x = points @ self.frame[0] / self.length
-                spans[macro] = min(spans[macro, 0], x.min()), max(spans[macro, 1], x.max())
-        return spans
-
-    def Press(self, steps, printing=False):
-        """Apply the load in equal steps."""
-        with TaskManager():
-            self.stepper.Integrate(steps=steps, callback=self._Record, printing=printing)
-
-    def _Record(self, step):
-        """Macro-elements in the order of x, in mm and MPa."""
-        table = self.contact.Table()
-        traction, normal = (table[name] @ self.frame.T for name in ("traction", "normal"))
-        tangential = normal[:, 0] * traction[:, 1] - normal[:, 1] * traction[:, 0]
-        (start, end), order = self.spans.T, np.argsort(self.spans[:, 0])
-        columns = {"start": start, "end": end, "status": table["status"].astype(int)}
-        columns |= {"pressure": table["pressure"] / self.unit, "traction": tangential / self.unit}
-        state = {name: column[order] for name, column in columns.items()}
-        rubbed, most = (
-            np.sqrt((end - start)[order] @ state[f] ** 2) for f in ("traction", "pressure")
-        )
-        state["friction_used"] = float(rubbed / most / self.friction) if self.friction else 0.0
-        factor = step.time**self.power
-        force = abs(self.frame[1] @ self.contact.Force()) / (self.load * factor)
-        state |= {"time": factor, "iterations": step.iterations, "force_ratio": float(force)}
-        self.states.append(state)
+def Spans(mesh, macros, along):
+    """First and last place of each macro-element in a direction, from the ends of its faces."""
+    spans = np.full((max(macros) + 1, 2), (np.inf, -np.inf))
+    for el, macro in zip(mesh.Elements(BND), macros, strict=True):
+        if macro >= 0:
+            places = np.array([mesh.vertices[v.nr].point for v in el.vertices]) @ along
+            spans[macro] = min(spans[macro, 0], places.min()), max(spans[macro, 1], places.max())
+    return spans.T
 
 
 def AtOrigin(state):
@@ -150,98 +68,110 @@ def Figures(state):
     }
 
 
-def ShowBodies(axes, problem, wide):
-    """The largest shear stress in both bodies about the contact, deformed and mirrored."""
-    points, faces, (moved, shear) = Smooth(problem.mesh, (problem.displacement, problem.shear))
-    place, shear = points + moved, shear.ravel()
-    faces = faces[np.all(np.abs(place[faces]) < 1.4 * wide, axis=(1, 2))]
-    levels = np.linspace(0, shear[faces].max(), 25)
-    for sign in (-1, 1):
-        half = sign * place[:, 0], place[:, 1], faces
-        filled = axes.tricontourf(*half, shear, levels=levels, cmap="turbo")
-    bar = axes.figure.colorbar(filled, ax=axes, location="bottom", shrink=0.8, pad=0.03, aspect=40)
-    bar.set_label("largest shear stress [MPa]")
-    bar.set_ticks(range(0, int(levels[-1]), 250))
-    for height, body in (0.9, "steel cylinder"), (-0.94, "aluminium block"):
-        axes.text(-0.96 * wide, height * wide, body, va="center")
-    axes.set(xlim=(-wide, wide), ylim=(-wide, wide), aspect="equal")
-    axes.axis("off")
+def Run(
+    order: Literal[1, 2, 3] = 2, h=0.2, friction: NotNegative = 0.2, steps=31,
+    power: Literal[1, 2] = 2, stabilize: Literal["split", "bubble", "none"] = "none",
+    slave: Literal["cylinder", "block"] = "cylinder", finite=False, full=False, length=1.0,
+    stress=1.0, angle=0.0, out=None
+):  # fmt: skip
+    """Press the cylinder down; the solution has the macro-elements in the order of x in `states`.
 
+    One millimetre is `length` and one MPa `stress` in the units of the computation, and the full
+    model can be turned by `angle` in degrees: the states, in mm and MPa, do not depend on these.
+    Order 1 has macro-elements of two faces, unless they are stabilized.
 
-def ShowTractions(upper, lower, problem):
-    """Pressure and tangential traction of the macro-elements, each at its middle."""
-    x, last = np.linspace(0, 7, 1000), problem.states[-1]
-    near = last["start"] < x[-1]
-    middle, dots = ((last["start"] + last["end"]) / 2)[near], {"ms": 4, "color": "#c2185b"}
-    bound = problem.friction * last["pressure"][near]
-    upper.plot(x, Exact().Pressure(x), "k", lw=1, label="Hertz, without friction")
-    upper.plot(middle, last["pressure"][near], "o", label="computed", **dots)
-    lower.plot(middle, bound, "k--", lw=1, label="friction × pressure")
-    lower.plot(middle, np.abs(last["traction"][near]), "o", label="computed", **dots)
-    upper.set_title("pressure [MPa]", loc="left")
-    lower.set_title("tangential traction [MPa]", loc="left")
-    lower.set(xlabel="distance from the middle [mm]")
-    for axes in upper, lower:
-        axes.set(xlim=(0, x[-1]), ylim=0)
-        axes.grid(alpha=0.25)
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.legend(frameon=False, loc="upper right")
+    order : order of the displacement
+    h : edge length in the contact zone, in mm
+    friction : coefficient of friction
+    steps : load steps
+    power : of the load: 1 equal steps, 2 equal growth of the contact
+    stabilize : of order 1
+    slave : body with the multipliers
+    finite : large sliding
+    full : the full model in place of the half
+    """
+    if angle and not full:
+        raise ValueError(f"angle = {angle}: the half model cannot be turned, use full=True")
+    side, other = SIDES[slave], SIDES["block" if slave == "cylinder" else "cylinder"]
+    mesh = HertzMesh(h, order=max(2, order), half=not full, scale=length, angle=angle)
+    mesh = SplitSlaveFaces(mesh, side) if stabilize == "split" else mesh
+    held = {"dirichletx": "bottom" if full else "bottom|sym", "dirichlety": "bottom"}
+    if stabilize == "bubble":
+        V = BubbleVectorH1(mesh, order=order, slave=side, **held)
+    else:
+        V = VectorH1(mesh, order=order, **held)
+    X = V * LACSpace(V, slave=side)
+    (u, lam), (v, _) = X.TnT()
+    t, a, gf = Parameter(0.0), BilinearForm(X), GridFunction(X)
+    young = mesh.MaterialCF({name: E * stress for name, E in YOUNG.items()})
+    a += InnerProduct(Stress(Sym(Grad(u)), young, NU), Sym(Grad(v))) * dx
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    frame = np.array([[c, s], [-s, c]])  # directions along the block, and up
+    right, up = (CF(tuple(direction)) for direction in frame)
+    load = FORCE * length * stress * (1 if full else 0.5)
+    a += t**power * load * InnerProduct(up, v) * ds(definedon=mesh.BBoundaries("load"))
+    if full:  # springs against rolling, without force by symmetry
+        axis = ds(definedon=mesh.BBoundaries("load|foot"))
+        a += YOUNG["cylinder"] * stress * InnerProduct(right, u) * InnerProduct(right, v) * axis
+    contact = LACContact(u, lam, master=other, friction=friction or None, finite=finite)
+    start, end = Spans(mesh, X.components[1].macros, frame[0] / length)
+    order, states = np.argsort(start), []
 
+    def Note(step):
+        table, factor = contact.Table(), step.time**power
+        traction, normal = (table[name] @ frame.T for name in ("traction", "normal"))
+        tangential = normal[:, 0] * traction[:, 1] - normal[:, 1] * traction[:, 0]
+        columns = {"start": start, "end": end, "status": table["status"].astype(int)}
+        columns |= {"pressure": table["pressure"] / stress, "traction": tangential / stress}
+        state = {name: column[order] for name, column in columns.items()}
+        rubbed, most = (
+            np.sqrt((end - start)[order] @ state[f] ** 2) for f in ("traction", "pressure")
+        )
+        state["friction_used"] = float(rubbed / most / friction) if friction else 0.0
+        state["force_ratio"] = float(abs(frame[1] @ contact.Force()) / (load * factor))
+        states.append(state | {"time": factor, "iterations": step.iterations})
 
-def Show(problem, folder):
-    """Stress in the bodies beside pressure and traction between them."""
-    layout = [["bodies", "pressure"], ["bodies", "traction"]]
-    with Mosaic(folder, "hertz", layout, size=(10.5, 5), width_ratios=[1, 1.2]) as axes:
-        ShowBodies(axes["bodies"], problem, 12)
-        ShowTractions(axes["pressure"], axes["traction"], problem)
-
-
-def Write(problem, folder):
-    """A picture; the bodies and their surface for ParaView."""
-    Show(problem, folder)
-    problem.contact.WriteVTU(folder / "hertz_slave", displacement=problem.displacement)
-    fields = {"displacement": problem.displacement, "stress": problem.stress}
-    VTKOutput(problem.mesh, [*fields.values()], [*fields], str(folder / "hertz"), order=2).Do()
-
-
-def Run(steps=31, h=0.2, power=2, out=None, quiet=True, **options):
-    """Press the cylinder down; the options are those of `Hertz`. Returns the numbers of the end."""
-    problem = Hertz(h=h, power=power, **options)
-    problem.Press(steps, printing=not quiet)
-    iterations = [state["iterations"] for state in problem.states]
-    figures = Figures(problem.states[-1]) | {
-        "newton_iterations": iterations,
-        "newton_max": max(iterations),
-        "ndof": len(problem.gf.vec),
-    }
+    with TaskManager():
+        stepper = LoadStepper(ContactSolver(a, gf, contact), t)
+        stepper.Integrate(steps=steps, callback=Note, printing=False)
+    moved = gf.components[0]
+    iterations, last = [state["iterations"] for state in states], states[-1]
+    figures = Figures(last)
+    print(f"Newton iterations {iterations}")
+    print(f"pressure at the origin {figures['p0_ratio']:.4f} of Hertz' {Exact().peak:.1f} MPa")
+    print(f"contact up to {figures['contact_edge']:.3f} mm, Hertz {Exact().halfwidth:.3f} mm")
+    print(f"contact force {figures['force_ratio']:.12f} of the load")
+    print(f"tangential traction {figures['friction_used']:.4f} of its bound, in L2")
     assert abs(figures["force_ratio"] - 1) < 1e-8, figures
+    assert abs(figures["p0_ratio"] - 1) < 0.02 + 0.05 * h, figures
+    assert abs(figures["contact_edge"] - Exact().halfwidth) < 2.5 * h, figures
+    assert figures["friction_used"] < 1 + 1e-6, figures
+
     if out:
-        Write(problem, out)
-    if not quiet:
-        print(f"{figures['ndof']} unknowns, Newton iterations {iterations}")
-        print(f"pressure at the origin {figures['p0_ratio']:.4f} of Hertz' {Exact().peak:.1f} MPa")
-        print(f"contact up to {figures['contact_edge']:.3f} mm, Hertz {Exact().halfwidth:.3f} mm")
-        print(f"contact force {figures['force_ratio']:.12f} of the load")
-        print(f"tangential traction {figures['friction_used']:.4f} of its bound, in L2")
-    return figures
+        near = abs(last["end"]) < 7
+        middle, pressure, traction = (
+            values[near]
+            for values in ((last["start"] + last["end"]) / 2, last["pressure"], last["traction"])
+        )
+        x = np.linspace(0, 7, 500)
+        pressures = {"Hertz, without friction": (x, Exact().Pressure(x), "k-")}
+        tractions = {"friction × pressure": (middle, friction * pressure, "k--")}
+        pressures["computed"], tractions["computed"] = (
+            (middle, pressure, "o"), (middle, abs(traction), "o"))  # fmt: skip
+        place, S = "distance from the middle [mm]", Stress(Sym(Grad(moved)), young, NU)
+        shear = sqrt((S[0, 0] - S[1, 1]) ** 2 / 4 + S[0, 1] ** 2)
+        Show(out, "hertz", moved,
+             Bodies(moved, shear, "largest shear stress [MPa]",
+                    window=(-12, 12, -12, 12), mirrored=not full),
+             Curves(place, "pressure [MPa]", **pressures),
+             Curves(place, "tangential traction [MPa]", **tractions), slave=contact)  # fmt: skip
+        fields = {"displacement": moved, "stress": S}
+        VTKOutput(mesh, [*fields.values()], [*fields], str(out / "hertz"), order=2).Do()
+    solution = SimpleNamespace(mesh=mesh, displacement=moved, contact=contact, states=states)
+    return figures | {"newton_iterations": iterations, "solution": solution}
 
 
-main = Main(
-    Run,
-    __doc__,
-    Displacements,
-    Hertz,
-    order=((1, 2, 3), "order of the displacement"),
-    h=(Positive, "edge length in the contact zone, in mm"),
-    friction=(NotNegative, "coefficient of friction"),
-    steps=(Count, "load steps"),
-    power=((1, 2), "of the load: 1 equal steps, 2 equal growth of the contact"),
-    stabilize=(("split", "bubble", "none"), "of order 1"),
-    slave=(tuple(SIDES), "body with the multipliers"),
-    finite=(bool, "large sliding"),
-    full=(bool, "the full model in place of the half"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -13,15 +13,16 @@ p0_ratio compares the pressures about the middle with the means of Hertz' pressu
 macro-elements; contact_radius_ratio is that of the Hertz pressure which fits the multipliers best.
 """
 
-from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
-from command import Communicator, Count, Main, NotNegative, Picture, Positive
+from command import Communicator, Main, NotNegative
 from hertzmeans import Compare, Radius
 from ngsolve import *
+from pictures import Curves, Show
 from slavefaces import SlaveFaces
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper, SplitSlaveFaces
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.meshes import CylinderOnBlock, Distributed, SphereOnBlock
 from ngslac.reference import HertzLine, HertzPoint
@@ -59,31 +60,30 @@ def Elastic(mesh, u):
     return Stress(Sym(Grad(u)), young, POISSON)
 
 
-def Displacements(mesh, *, order=2, stabilize="none"):
-    """Displacements that are held at the bottom and on the symmetry planes."""
+def Run(
+    shape: Literal["sphere", "cylinder"] = "sphere", model: Literal["quarter", "full"] = "quarter",
+    h=0.3125, order: Literal[1, 2, 3] = 2, stabilize: Literal["none", "bubble", "split"] = "none",
+    friction: NotNegative = 0.0, steps=1, out=None
+):  # fmt: skip
+    """Press the body, and compare with Hertz.
+
+    shape : what is pressed
+    model : part that is computed
+    h : size of the slave faces, in mm
+    order : order of the displacement
+    stabilize : of single faces by
+    friction : coefficient of friction
+    steps : number of load steps
+    """
+    mesh = Distributed(
+        lambda: Mesh(shape, h, model=model, order=order, stabilize=stabilize), Communicator()
+    )
+    load, hertz = FORCE[shape] * PART.get((shape, model), 1.0), Hertz(shape)
     held = {"dirichletx": "bottom|sym_x", "dirichlety": "bottom|sym_y", "dirichletz": "bottom"}
     if stabilize == "bubble":
-        return BubbleVectorH1(mesh, order=order, slave="slave", **held)
-    return VectorH1(mesh, order=order, **held)
-
-
-@dataclass
-class Pressed:
-    """The solution of `Press`; a tuple per converged step."""
-
-    solution: GridFunction
-    contact: LACContact
-    stress: CF
-    steps: list = field(default_factory=list)  # load factor, iterations, force, table
-
-    def Record(self, step):
-        table = {name: np.copy(values) for name, values in self.contact.Table().items()}
-        self.steps.append((step.time, step.iterations, np.array(self.contact.Force()), table))
-
-
-def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
-    """Press the bodies together by a force; the options are those of `Displacements`."""
-    V = Displacements(mesh, **options)
+        V = BubbleVectorH1(mesh, order=order, slave="slave", **held)
+    else:
+        V = VectorH1(mesh, order=order, **held)
     X = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
     factor, a, gf = Parameter(0.0), BilinearForm(X), GridFunction(X)
@@ -94,84 +94,46 @@ def Press(mesh, load, *, inverse=None, steps=1, friction=0.0, **options):
     plate += (u[0] * v[0] + u[1] * v[1]) / RADIUS
     area = Integrate(1, mesh, definedon=mesh.Boundaries("top"))
     a += (YOUNG["body"] * plate + factor * load / area * v[2]) * ds("top")
-    contact = LACContact(u, lam, master="master", friction=friction or None)
-    pressed = Pressed(gf, contact, Elastic(mesh, gf.components[0]))
-    stepper = LoadStepper(ContactSolver(a, gf, contact, inverse=inverse), factor)
+    contact, done = LACContact(u, lam, master="master", friction=friction or None), []
+
+    def Note(step):
+        table = {name: np.copy(values) for name, values in contact.Table().items()}
+        done.append((step.time, step.iterations, np.array(contact.Force()), table))
+
     with TaskManager():
-        stepper.Integrate(steps=steps, callback=pressed.Record, printing=False)
-    return pressed
-
-
-def Run(
-    *,
-    out,
-    quiet,
-    shape="sphere",
-    model="quarter",
-    h=0.3125,
-    order=2,
-    stabilize="none",
-    friction=0.0,
-    steps=1,
-    inverse=None,
-):
-    """Compute, compare, print, write; the figures."""
-    mesh = Distributed(
-        lambda: Mesh(shape, h, model=model, order=order, stabilize=stabilize), Communicator()
-    )
-    load, hertz = FORCE[shape] * PART.get((shape, model), 1.0), Hertz(shape)
-    how = dict(order=order, stabilize=stabilize, friction=friction, steps=steps, inverse=inverse)
-    pressed = Press(mesh, load, **how)
-    contact, (_, _, force, table) = pressed.contact, pressed.steps[-1]
-    faces = SlaveFaces(contact.mesh, contact.space.macros, shape == "cylinder")
-    iterations = [int(n) for _, n, *_ in pressed.steps]
+        stepper = LoadStepper(ContactSolver(a, gf, contact), factor)
+        stepper.Integrate(steps=steps, callback=Note, printing=False)
+    (_, _, force, table), moved = done[-1], gf.components[0]
+    faces = SlaveFaces(mesh, contact.space.macros, shape == "cylinder")
     figures = Compare(faces, hertz, table["pressure"]) | {
         "force_ratio": force[2] / load,
-        "newton_iterations": iterations,
-        "newton_max": max(iterations),
-        "ndof": pressed.solution.components[0].space.ndofglobal + table["traction"].size,
+        "newton_iterations": [int(step[1]) for step in done],
     }
+    print(f"Hertz: p0 = {hertz.peak:.1f} MPa, a = {Radius(hertz):.4f} mm; computed over Hertz:")
+    for name in ("p0_ratio", "contact_radius_ratio", "force_ratio"):
+        print(f"  {name:<22}{figures[name]:.5f}")
+    print(f"error of the pressures in L2  {100 * figures['profile_error']:.2f} %")
     assert abs(figures["force_ratio"] - 1) < 1e-8, figures
-    if not quiet:
-        print(f"{figures['ndof']} unknowns, {len(faces.area)} macro-elements, Newton {iterations}")
-        print(f"Hertz: p0 = {hertz.peak:.1f} MPa, a = {Radius(hertz):.4f} mm; computed over Hertz:")
-        for name in ("p0_ratio", "contact_radius_ratio", "force_ratio"):
-            print(f"  {name:<22}{figures[name]:.5f}")
-        print(f"error of the pressures in L2  {100 * figures['profile_error']:.2f} %")
-    if out:
-        Write(out, pressed, hertz)
-    return figures
+    size = h / Radius(hertz)
+    assert max(abs(figures[name] - 1) for name in ("p0_ratio", "contact_radius_ratio")) < 0.1 + size
 
+    r = np.linspace(0, 1.3 * Radius(hertz), 500)
+    along = "x" if shape == "cylinder" else lambda points: np.hypot(points[:, 0], points[:, 1])
+    curve = {"Hertz": (r, hertz.Pressure(r), "k")}
 
-def Write(out, pressed, hertz):
-    """A picture of the pressures and files for ParaView: bodies, slave faces, segments."""
-    displacement, contact = pressed.solution.components[0], pressed.contact
-    line, r = isinstance(hertz, HertzLine), np.linspace(0, 1.3 * Radius(hertz), 500)
-    along = "x" if line else lambda points: np.hypot(points[:, 0], points[:, 1])
-    with Picture(out, "hertz3d_pressure") as axes:
+    def Pressures(axes):
         contact.Plot("pressure", along=along, axes=axes, label="macro-elements")
-        axes.plot(r, hertz.Pressure(r), "k", lw=0.9, label="Hertz")
-        axes.set(xlabel="distance from the middle [mm]", ylabel="pressure [MPa]")
-        axes.legend()
-    fields, names = [displacement, pressed.stress], ["displacement", "stress"]
-    VTKOutput(contact.mesh, fields, names, str(out / "hertz3d"), subdivision=1).Do()
-    contact.WriteVTU(out / "hertz3d_contact.vtu", displacement=displacement)
-    contact.Segments().WriteVTU(out / "hertz3d_segments.vtu")
+        Curves("distance from the middle [mm]", "pressure [MPa]", **curve)(axes)
+
+    Show(out, "hertz3d", moved, Pressures, slave=contact)
+    if out:
+        fields = {"displacement": moved, "stress": Elastic(mesh, moved)}
+        files = str(out / "hertz3d")
+        VTKOutput(mesh, [*fields.values()], [*fields], files, subdivision=1).Do()
+    return figures | {"solution": (gf, contact, done)}
 
 
-main = Main(
-    Run,
-    __doc__,
-    shape=(("sphere", "cylinder"), "what is pressed"),
-    model=(("quarter", "full"), "part that is computed"),
-    h=(Positive, "size of the slave faces, in mm"),
-    order=((1, 2, 3), "order of the displacement"),
-    stabilize=(("none", "bubble", "split"), "of single faces by"),
-    friction=(NotNegative, "coefficient of friction"),
-    steps=(Count, "number of load steps"),
-    inverse=(str, "sparse direct solver, such as umfpack or pardiso"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -14,14 +14,15 @@ half an edge of the slab at most: larger ones can end in another equilibrium, of
 """
 
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
-from command import Columns, Communicator, Count, Main, NotNegative, Picture, Positive
-from driven import RigidMotion
+from command import Communicator, Main, NotNegative
 from ngsolve import *
+from pictures import Bodies, Curves, Show
 from published import PUBLISHED, TIMES
 
-from ngslac import ContactConvergenceError, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import NeoHooke
 from ngslac.meshes import Distributed, geometry
 
@@ -49,10 +50,10 @@ def IroningMesh(h=0.2, order=2):
         geometry.Line((right, high), (left, high), "top", flank),
         geometry.Line((left, high), (left, low), "flank", flank),
     ]
-    die = geometry.Body(sides, "die")
     points = [(0, -HEIGHT), (LENGTH, -HEIGHT), (LENGTH, 0), (0, 0)]
     slab = geometry.Polygon(points, ("bottom", "side", "master", "side"), "slab", master=count)
-    return geometry.GenerateMesh([die, slab], order=order, maxh=HEIGHT / 4, grading=0.3)
+    bodies = [geometry.Body(sides, "die"), slab]
+    return geometry.GenerateMesh(bodies, order=order, maxh=HEIGHT / 4, grading=0.3)
 
 
 def Quadratic(residuals):
@@ -67,108 +68,79 @@ def Quadratic(residuals):
     return not falls or (quadratic and falls[-1][1] <= max(1e-2 * falls[-1][0], 1e-12))
 
 
-class Ironing:
-    """Die, slab and solver; `rows` has an entry for each step."""
+def Run(h=0.3, order: Literal[2, 3] = 2, friction: NotNegative = 0.3, steps=80, stroke=STROKE,
+        out=None):  # fmt: skip
+    """Press the die in, by as many steps as 2.5 mm of the stroke take, and draw it along.
 
-    def __init__(self, h=0.3, order=2, friction=0.3):
-        self.mesh, self.rows = Distributed(lambda: IroningMesh(h, order), Communicator()), []
-        V = VectorH1(self.mesh, order=order, dirichlet="bottom|top")
-        X = V * LACSpace(V, slave="foot|flank")
-        u, lam = X.TrialFunction()
-        a, gf, time = BilinearForm(X), GridFunction(X), Parameter(0.0)
-        energy = NeoHooke(Id(2) + Grad(u), self.mesh.MaterialCF(YOUNG), POISSON)
-        a += Variation(energy.Compile() * dx)
-        self.displacement = gf.components[0]
-        # Steps begin with the die moved into the slab: see the slab through all of the die's foot.
-        self.contact = LACContact(
-            u, lam, master="master", friction=friction or None, finite=True, penetration=DEPTH
-        )
-
-        def Target():
-            return STROKE * max(time.Get() - 1, 0), -DEPTH * min(time.Get(), 1)
-
-        motion = RigidMotion(V, body="die", driven="top", target=Target)
-        self.stepper = LoadStepper(ContactSolver(a, gf, self.contact), time, prescribe=motion)
-
-    def Iron(self, steps=80, stroke=STROKE, quiet=True):
-        """Press the die in, by as many steps as 2.5 mm of the stroke take, and draw it along."""
-        down = min(max(1, round(steps * 2.5 / (2.5 + stroke))), steps - 1)
-        turn = np.linspace(1, 1 + stroke / STROKE, steps - down + 1)
-        self.wanted = np.concatenate([np.linspace(0, 1, down + 1)[1:], turn[1:]])
-        self.quiet = quiet
-        for end, count in ((1.0, down), (turn[-1], steps - down)):
-            self.stepper.Integrate(end, steps=count, callback=self._Record, printing=False)
-
-    def _Record(self, step):
-        history, (right, up) = self.stepper.solver.history, self.contact.Force()  # on the die
-        self.rows.append(
-            {
-                "time": step.time,
-                "vertical_force": up,  # of the die on the slab, downwards, in N/mm
-                "horizontal_force": -right,  # of the die on the slab, to the right
-                "iterations": step.iterations,
-                "cuts": step.cuts,
-                "residuals": [max(entry.equilibrium, entry.constraint) for entry in history],
-            }
-        )
-        if not self.quiet:
-            print(f"t = {step.time:.3f}: down {up:.1f}, right {-right:.1f} N/mm", flush=True)
-
-    def Figures(self):
-        """Each number of the steps as a list, and what the steps did."""
-        figures = Columns(self.rows)
-        reached = np.abs(np.subtract.outer(self.wanted, figures["time"])) < 1e-9
-        quadratic = all(map(Quadratic, figures["residuals"]))
-        return figures | {"converged_steps": int(reached.any(1).sum()), "quadratic": quadratic}
-
-
-def DrawForces(axes, figures):
-    """The forces (lines) beside the published ones: circles vertical, squares horizontal."""
-    for k, name in enumerate(("vertical_force", "horizontal_force")):
-        axes.plot(figures["time"], figures[name], ("k-", "k--")[k], label=name.replace("_", " "))
-        axes.set_prop_cycle(None)
-        for who, curves in PUBLISHED.items():
-            axes.plot(TIMES, curves[k], "os"[k], ms=4, mfc="none", label=None if k else who)
-    axes.set(xlabel="time (1: indented by 1 mm, 2: moved by 10 mm)", ylabel="force [N/mm]")
-    axes.legend(fontsize=8)
-
-
-def Write(ironing, figures, folder):
-    """The forces and the pressures as a picture, the foot for ParaView."""
-    with Picture(folder, "ironing", columns=2, size=(11, 5)) as (left, right):
-        DrawForces(left, figures)
-        ironing.contact.Plot("pressure", deformation=ironing.displacement, axes=right)
-    ironing.contact.WriteVTU(folder / "ironing", displacement=ironing.displacement)
-
-
-def Run(steps=80, stroke=STROKE, out=None, quiet=True, **options):
-    """Iron; the options are those of `Ironing`. Returns the numbers of the steps."""
+    h : edge length on the top of the slab, in mm
+    order : order of the displacement
+    friction : coefficient of friction
+    steps : load steps, at least 2
+    stroke : way of the die to the right, in mm
+    """
     if steps < 2 or stroke > STROKE:
         raise ValueError(f"steps = {steps} must be at least 2, stroke = {stroke} at most {STROKE}")
-    ironing, failure = Ironing(**options), None
+    mesh = Distributed(lambda: IroningMesh(h, order), Communicator())
+    V = VectorH1(mesh, order=order, dirichlet="bottom|top")
+    X = V * LACSpace(V, slave="foot|flank")
+    u, lam = X.TrialFunction()
+    a, gf, time = BilinearForm(X), GridFunction(X), Parameter(0.0)
+    energy = NeoHooke(Id(2) + Grad(u), mesh.MaterialCF(YOUNG), POISSON)
+    a += Variation(energy.Compile() * dx)
+    # Steps begin with the die moved into the slab: see the slab through all of the die's foot.
+    contact = LACContact(
+        u, lam, master="master", friction=friction or None, finite=True, penetration=DEPTH
+    )
+    way = CF((STROKE * IfPos(time - 1, time - 1, 0), -DEPTH * IfPos(time - 1, 1, time)))
+    solver, residuals = ContactSolver(a, gf, contact), []
+    stepper = LoadStepper(solver, time, prescribe={"top": way})
+
+    def Note(step):
+        right, up = step.forces[0]  # on the die
+        print(f"t = {step.time:.3f}: down {up:.1f}, right {-right:.1f} N/mm", flush=True)
+        residuals.append([max(entry.equilibrium, entry.constraint) for entry in solver.history])
+
+    down, failure = min(max(1, round(steps * 2.5 / (2.5 + stroke))), steps - 1), None
     try:
-        ironing.Iron(steps, stroke, quiet)
+        for end, count in ((1.0, down), (1 + stroke / STROKE, steps - down)):
+            stepper.Integrate(end, steps=count, callback=Note, printing=False)
     except ContactConvergenceError as error:
-        if not ironing.rows:
+        if not residuals:
             raise
         failure = str(error)
-    figures = ironing.Figures() | {"steps": steps, "failure": failure}
-    if out:
-        Write(ironing, figures, out)
+    table, moved = stepper.Table(), gf.components[0]
+    pressed = np.append(0, table["force"][:, 0, 1])[
+        np.append(0, table["load"]) <= CLEARANCE / DEPTH
+    ]
+    assert not pressed.any(), "a force before the contact"
+    figures = {
+        "time": table["load"],
+        "vertical_force": table["force"][:, 0, 1],  # of the die on the slab, downwards, in N/mm
+        "horizontal_force": -table["force"][:, 0, 0],  # of the die on the slab, to the right
+        "iterations": table["iterations"],
+        "cuts": table["cuts"],
+        "residuals": residuals,
+        "quadratic": all(map(Quadratic, residuals)),
+        "failure": failure,
+    }
+    Show(out, "ironing", moved, Bodies(moved), Forces(figures), foot=contact)
     return figures
 
 
-main = Main(
-    Run,
-    __doc__,
-    Ironing,
-    h=(Positive, "edge length on the top of the slab, in mm"),
-    order=((2, 3), "order of the displacement"),
-    friction=(NotNegative, "coefficient of friction"),
-    steps=(Count, "load steps, at least 2"),
-    stroke=(Positive, "way of the die to the right, in mm"),
-)
+def Forces(figures):
+    """The forces (lines) beside the published ones: circles vertical, squares horizontal."""
+    curves, time = {}, figures["time"]
+    for name, (vertical, horizontal) in PUBLISHED.items():
+        curves |= {
+            f"{name}, down": (TIMES, vertical, "o"),
+            f"{name}, right": (TIMES, horizontal, "s"),
+        }
+    for name, style in (("vertical_force", "k-"), ("horizontal_force", "k--")):
+        curves[name] = time, figures[name], style
+    return Curves("time (1: indented by 1 mm, 2: moved by 10 mm)", "force [N/mm]", **curves)
 
+
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -11,75 +11,25 @@ that pressing leaves (they are small, of the order contact radius over radius). 
 neglects nothing.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import *
+from pictures import Curves, Show
+from scipy.optimize import minimize_scalar
+from slavefaces import SlaveFaces
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.meshes import SphereOnBlock
 from ngslac.reference import HertzPoint
 
 OPEN, STICK, SLIP = 0, 1, 2
 COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the whole
+FIRST = 0.01  # of the load that makes all slip: a first step, which tells the stiffness before slip
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sphere:
-    """What a push and a twist have in common; in mm and MPa."""
-
-    model: str  # "quarter" for twists, "half" (y >= 0) for shifts along x, "full"
-    elements: float  # edges along the contact radius
-    order: int = 2  # of the displacement
-    # Macro-elements are single triangles or, with "none", several (two for order 2).
-    stabilize: str = "bubble"
-    friction: float = 0.3  # Coulomb's coefficient
-    young: float = 70e3  # of both bodies
-    nu: float = 0.3
-    radius: float = 50.0  # of the sphere, half width and height of the block
-    contact: float = 1.0  # radius to aim at; since the bodies are finite it gets a bit larger
-    zone: float = 1.25  # radius of the slave face over `contact`
-    grading: float = 0.5  # of the elements away from there
-    press: int = 2  # steps of the normal motion
-    steps: int = 5  # of the tangential motion, after a first small one
-    # Friction acts while the normal load grows, too. It should not matter much, since bodies of the
-    # same material have no reason to slip then; what it leaves are small radial tractions, from the
-    # curvature and from the discretization.
-    rough: bool = True
-
-    @property
-    def approach(self):
-        """Displacement of the top towards the block, at which Hertz' radius is `contact`."""
-        return self.contact**2 / self.radius
-
-    @property
-    def shear_modulus(self):
-        return self.young / (2 * (1 + self.nu))
-
-    def Hertz(self, force):
-        """Hertz' solution for a normal force."""
-        elastic = dict(young1=self.young, nu1=self.nu, young2=self.young, nu2=self.nu)
-        return HertzPoint(force=force, radius1=self.radius, **elastic)
-
-    def Mesh(self):
-        """The mesh of the model."""
-        return SphereOnBlock(
-            self.contact / self.elements,
-            radius=self.radius,
-            zone=self.zone * self.contact,
-            width=self.radius,
-            height=self.radius,
-            model=self.model,
-            grading=self.grading,
-        )
-
-    def Stress(self, u):
-        """Stress of a displacement."""
-        return Stress(Sym(Grad(u)), self.young, self.nu)
-
-
-@dataclass(frozen=True)
 class State:
     """A converged step. Arrays run over the macro-elements of the model.
 
@@ -90,14 +40,13 @@ class State:
     motion: dict
     force: np.ndarray
     moment: float
-    area: np.ndarray
-    pressure: np.ndarray
-    traction: np.ndarray  # (n, 2), tangential, in the plane
-    slip: np.ndarray  # (n, 2), of the last step
-    status: np.ndarray
     iterations: int
     copies: int  # of the model in the whole
-    vector: object  # of the solution
+    area: np.ndarray
+    pressure: np.ndarray
+    status: np.ndarray
+    traction: np.ndarray  # (n, 2), tangential, in the plane
+    slip: np.ndarray  # (n, 2), of the last step
 
     def Radius(self, *status):
         """Radius of a disc with the area of all macro-elements of these statuses."""
@@ -105,132 +54,221 @@ class State:
         return float(np.sqrt(area / np.pi))
 
 
-@dataclass
-class Model:
-    """The discrete problem, at rest.
+@dataclass(kw_only=True)
+class Sphere:
+    """The discrete problem, at rest, in mm and MPa; `states` are all converged steps."""
 
-    `states` are all converged steps.
-    """
-
-    problem: Sphere
-    mesh: object = field(init=False)
-    solution: GridFunction = field(init=False)
-    contact: LACContact = field(init=False)
-    states: list = field(default_factory=list)
+    model: str  # "quarter" for twists, "half" (y >= 0) for shifts along x, "full"
+    elements: float  # edges along the contact radius
+    order: int = 2  # of the displacement
+    # Macro-elements are single triangles or, with "none", several (two for order 2).
+    stabilize: str = "bubble"
+    friction: float = 0.3  # Coulomb's coefficient
+    young: float = 70e3  # of both bodies
+    nu: float = 0.3
+    radius: float = 50.0  # of the sphere, half width and height of the block
+    contact_radius: float = 1.0  # to aim at; since the bodies are finite it gets a bit larger
+    zone: float = 1.25  # radius of the slave face over `contact_radius`
+    grading: float = 0.5  # of the elements away from there
+    press: int = 2  # steps of the normal motion
+    # Friction acts while the normal load grows, too, unless it is smooth. It should not matter
+    # much, since bodies of the same material have no reason to slip then; what it leaves are small
+    # radial tractions, from the curvature and from the discretization.
+    smooth: bool = False
 
     def __post_init__(self):
-        self.mesh = self.problem.Mesh()
+        zone = self.zone * self.contact_radius
+        block = {"width": self.radius, "height": self.radius, "grading": self.grading}
+        h, self.states = self.contact_radius / self.elements, []
+        self.mesh = SphereOnBlock(h, radius=self.radius, zone=zone, model=self.model, **block)
         V = self._Displacements()
         X = V * LACSpace(V, slave="slave")
         (u, lam), (v, _) = X.TnT()
-        self.form = BilinearForm(X)
-        self.form += InnerProduct(self.problem.Stress(u), Sym(Grad(v))) * dx
-        self.solution = GridFunction(X)
-        self.friction = Parameter(self.problem.friction)
-        self.contact = LACContact(u, lam, master="master", friction=self.friction)
+        self.a, self.solution = BilinearForm(X), GridFunction(X)
+        self.a += InnerProduct(self.Stress(u), Sym(Grad(v))) * dx
+        self.rubs = Parameter(0.0 if self.smooth else self.friction)
+        self.contact = LACContact(u, lam, master="master", friction=self.rubs)
         self.motion = {name: Parameter(0.0) for name in ("approach", "shift", "angle")}
-        self._SetModes(V)
+        move, turn = (self.motion[name] for name in ("shift", "angle"))
+        self.top = {"top": CF((move - y * turn, x * turn, -self.motion["approach"]))}
+        self.faces = SlaveFaces(self.mesh, self.contact.space.macros)
 
     @property
     def displacement(self):
         return self.solution.components[0]
 
+    @property
+    def shear_modulus(self):
+        return self.young / (2 * (1 + self.nu))
+
+    def Hertz(self, force):
+        """Hertz' solution for a normal force."""
+        elastic = dict(young1=self.young, nu1=self.nu, young2=self.young, nu2=self.nu)
+        return HertzPoint(force=force, radius1=self.radius, **elastic)
+
+    def Stress(self, u):
+        """Stress of a displacement."""
+        return Stress(Sym(Grad(u)), self.young, self.nu)
+
     def _Displacements(self, odd=False):
         """The displacement space; with `odd` the symmetry planes are those of a twist."""
-        held = "top|bottom"
-        fixed = {"dirichletx": "sym_x", "dirichlety": "sym_y", "dirichletz": ""}
+        names, held = set(self.mesh.GetBoundaries()), "top|bottom"
+        planes = ["sym_x", "sym_y", ""]
         if odd:
-            fixed = {"dirichletx": "sym_y", "dirichlety": "sym_x", "dirichletz": "sym_x|sym_y"}
-        fixed = {name: f"{held}|{planes}" for name, planes in fixed.items()}
-        options = {"order": self.problem.order, **fixed}
-        if self.problem.stabilize == "bubble":
-            return BubbleVectorH1(self.mesh, slave="slave", **options)
-        return VectorH1(self.mesh, **options)
+            planes = ["sym_y", "sym_x", "sym_x|sym_y"]
+        fixed = {
+            f"dirichlet{axis}": "|".join([held, *(p for p in plane.split("|") if p in names)])
+            for axis, plane in zip("xyz", planes, strict=True)
+        }
+        if self.stabilize == "bubble":
+            return BubbleVectorH1(self.mesh, slave="slave", order=self.order, **fixed)
+        return VectorH1(self.mesh, order=self.order, **fixed)
 
-    def _SetModes(self, V):
-        """The dofs of the top, and their values in each of its motions."""
-        mode, top = GridFunction(V), self.mesh.Boundaries("top")
-        held = np.fromiter(V.GetDofs(top), dtype=bool, count=V.ndof)
-        self._top = np.flatnonzero(np.repeat(held, V.dim))
-        self._modes = {}
-        motions = {"approach": (0, 0, -1), "shift": (1, 0, 0), "angle": (-y, x, 0)}
-        for name, value in motions.items():
-            mode.Set(CF(value), definedon=top)
-            self._modes[name] = mode.vec.FV().NumPy()[self._top].copy()
-
-    def _Prescribe(self, gf):
-        values = sum(load.Get() * self._modes[name] for name, load in self.motion.items())
-        gf.components[0].vec.FV().NumPy()[self._top] = values
-
-    def Press(self, callback=None):
+    def Press(self):
         """Press the sphere on the block; the radius of the contact grows by equal parts."""
-        stepper, n = self._Stepper("approach"), self.problem.press
-        self.friction.Set(self.problem.friction if self.problem.rough else 0.0)
-        for k in range(1, n + 1):
-            self._Move(stepper, (k / n) ** 2 * self.problem.approach, callback)
-        self.friction.Set(self.problem.friction)
-        return self.states[-1]
+        approach = self.contact_radius**2 / self.radius
+        parts = np.arange(1, self.press + 1) / self.press
+        pressed = self.Move("approach", *approach * parts**2)
+        self.rubs.Set(self.friction)
+        return pressed[-1]
 
-    def Shift(self, *ends, callback=None):
-        """Move the top along x to each of the displacements `ends`."""
-        return self._Path("shift", ends, callback)
-
-    def Turn(self, *ends, callback=None):
-        """Turn the top about the z axis to each of the angles `ends`."""
-        return self._Path("angle", ends, callback)
-
-    def _Path(self, name, ends, callback):
-        stepper = self._Stepper(name)
-        for end in ends:
-            self._Move(stepper, end, callback)
-        return self.states[-len(ends) :]
-
-    def _Stepper(self, name):
+    def Move(self, name, *ends):
+        """Bring the "shift" along x or the "angle" about z of the top to each of these values."""
         options = {}
-        if name == "angle" and self.problem.model == "quarter":
+        if name == "angle" and self.model == "quarter":
             space = self._Displacements(odd=True) * self.solution.space.components[1]
             options |= {"freedofs": space.FreeDofs(), "rhs": self._Reactions()}
-        solver = ContactSolver(self.form, self.solution, self.contact, **options)
-        return LoadStepper(solver, self.motion[name], prescribe=self._Prescribe)
+        solver = ContactSolver(self.a, self.solution, self.contact, **options)
+        stepper = LoadStepper(solver, self.motion[name], prescribe=self.top)
+        for end in ends:
+            with TaskManager():
+                stepper.Integrate(end, steps=1, printing=False, callback=self._Note)
+        return self.states[-len(ends) :]
 
     def _Reactions(self):
         """Forces that hold the present state, where it is not free."""
-        forces, contact = (self.solution.vec.CreateVector() for _ in range(2))
-        self.form.Apply(self.solution.vec, forces)
-        self.contact.Apply(self.solution.vec, contact)
-        forces.data += contact
+        forces = self.solution.vec.CreateVector()
+        self.a.Apply(self.solution.vec, forces)
+        self.contact.AddApply(self.solution.vec, forces)
         forces.FV().NumPy()[self.contact.form.MultiplierDofs()] = 0  # no forces, but lengths
         return forces
 
-    def _Move(self, stepper, end, callback):
-        def Record(step):
-            self.states.append(self._State(step.iterations))
-            if callback:
-                callback(self.states[-1])
-
-        with TaskManager():
-            stepper.Integrate(end, steps=1, printing=False, callback=Record)
-
-    def _State(self, iterations):
-        table, copies = self.contact.Table(), COPIES[self.problem.model]
+    def _Note(self, step):
+        table, copies = self.contact.Table(), COPIES[self.model]
         tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
-        force = copies * np.asarray(self.contact.Force())
-        return State(
+        state = State(
             motion={name: load.Get() for name, load in self.motion.items()},
-            force=force,
+            force=copies * np.asarray(self.contact.Force()),
             moment=copies * float(self.contact.Moment((0, 0, 0))[2]),
-            area=table["area"].copy(),
-            pressure=table["pressure"].copy(),
+            iterations=step.iterations,
+            copies=copies,
             traction=tangential[:, :2].copy(),
             slip=table["slip"][:, :2].copy(),
-            status=table["status"].copy(),
-            iterations=iterations,
-            copies=copies,
-            vector=self.solution.vec.CreateVector(copy=True),
+            **{name: table[name].copy() for name in ("area", "pressure", "status")},
         )
+        self.states.append(state)
+
+    @property
+    def moved(self):
+        """The states of the tangential load, without the first small step."""
+        return self.states[self.press + 1 :]
+
+    # --- against exact solutions -------------------------------------------------------------
+
+    def Means(self, exact):
+        """Exact tractions (m, 2), along x or with both components, over the macro-elements."""
+        values = np.asarray(exact.MeanTraction(self.faces.corners))
+        if values.ndim == 1:
+            values = np.column_stack([values, np.zeros_like(values)])
+        return self.faces.Means(values)
+
+    def Misfit(self, state, exact):
+        """Distance of the tractions to the exact means in L2, relative to the latter."""
+        means, w = self.Means(exact), state.area[:, None]
+        return float(np.sqrt((w * (state.traction - means) ** 2).sum() / (w * means**2).sum()))
+
+    def FittedRatio(self, state, Exact):
+        """Stick ratio of the solution that fits the tractions best.
+
+        ``Exact(part)`` is the solution at a part (0, 1) of the load that makes all slip.
+        """
+
+        def Distance(part):
+            difference = state.traction - self.Means(Exact(part))
+            return (state.area[:, None] * difference**2).sum()
+
+        best = minimize_scalar(Distance, bounds=(0, 1), method="bounded", options={"xatol": 1e-3})
+        return Exact(best.x).ratio
+
+    def Row(self, state, exact, Exact=None):
+        """Stick zone and tractions of a step against the exact solution; `Exact`: of a fit."""
+        a = self.Hertz(state.force[2]).contact_radius
+        return {
+            "stick_ratio": state.Radius(STICK) / a,
+            "stick_ratio_fit": self.FittedRatio(state, Exact) if Exact else None,
+            "stick_ratio_exact": exact.ratio,
+            "contact_ratio": state.Radius(STICK, SLIP) / a,
+            "traction_misfit": self.Misfit(state, exact),
+            "open": int(np.sum(state.status == OPEN)),
+            "stick": int(np.sum(state.status == STICK)),
+            "slip": int(np.sum(state.status == SLIP)),
+        }
+
+    def Summary(self, rows):
+        """Numbers of all steps."""
+        loading = [row for row in rows if row["stick_ratio_fit"] is not None]
+        errors = {
+            error: max(abs(row[name] - row["stick_ratio_exact"]) for row in loading)
+            for error, name in (
+                ("stick_error", "stick_ratio"),
+                ("stick_fit_error", "stick_ratio_fit"),
+            )
+        }
+        newton = max(state.iterations for state in self.states)
+        macros = self.contact.space.nmacros
+        return errors | {"newton_max": newton, "macros": macros, "steps": rows}
+
+    def Tell(self, figures, columns, *names):
+        """Print figures of the steps, then those of all."""
+        print("  ".join(f"{name:>9}" for name in columns))
+        for row in figures["steps"]:
+            texts = (f"{np.nan if row[n] is None else row[n]:.4g}" for n in columns)
+            print("  ".join(t.rjust(max(9, len(n))) for t, n in zip(texts, columns, strict=True)))
+        for name in (*names, "stiffness_ratio", "stick_error", "stick_fit_error"):
+            print(f"{name:<20}{figures[name]:.4f}")
+
+    def Show(self, out, name, rows, curve, exact):
+        """The curve, of which both are names of figures, stick, tractions; files for ParaView."""
+        state, number = self.states[-1], range(1, len(rows) + 1)
+        hertz = self.Hertz(state.force[2])
+        r = np.linspace(0, 1.2 * hertz.contact_radius, 300)
+        pairs = (("exact", exact, "k-"), ("computed", curve, "o"))
+        curves = {
+            label: (*([0, *(row[key] for row in rows)] for key in pair), style)
+            for label, pair, style in pairs
+        }
+        stick = {
+            key: (number, [np.nan if row[key] is None else row[key] for row in rows], style)
+            for key, style in {
+                "stick_ratio_exact": "k_",
+                "stick_ratio": "o",
+                "stick_ratio_fit": "x",
+            }.items()
+        }
+        bound = {"friction times Hertz' pressure": (r, self.friction * hertz.Pressure(r), "k")}
+        at, traction = (np.linalg.norm(v, axis=1) for v in (self.faces.middle, state.traction))
+        bound["computed"] = at, traction, "."
+        Show(out, name, self.displacement, Curves(*curve, **curves),
+             Curves("step", "radius of stick / contact radius", **stick),
+             Curves("distance from the middle [mm]", "traction [MPa]", **bound),
+             contact=self.contact)  # fmt: skip
+        if out:
+            fields = [self.displacement, self.Stress(self.displacement)]
+            names, files = ["displacement", "stress"], str(out / name)
+            VTKOutput(self.mesh, fields, names, files, subdivision=1).Do()
 
 
-def BulkCompliance(model):
+def BulkCompliance(sphere):
     """Displacement of the top along x per force, beyond that of two half-spaces.
 
     What finite bodies add to the displacement of half-spaces depends on the force alone, not on
@@ -240,12 +278,11 @@ def BulkCompliance(model):
     half-spaces is taken, 3 Q (2 - nu)/(20 G b) on each side for a force Q (integrated from
     Johnson, Contact Mechanics, 1985, equation 3.91a).
     """
-    problem, V = model.problem, model.solution.space.components[0]
-    radius = problem.zone * problem.contact
+    V, radius = sphere.displacement.space, sphere.zone * sphere.contact_radius
     left = 1 - (x * x + y * y) / radius**2
     density = sqrt(0.5 * (left + sqrt(left * left)))  # zero outside
     u, v = V.TnT()
-    a = BilinearForm(InnerProduct(problem.Stress(u), Sym(Grad(v))) * dx, symmetric=True)
+    a = BilinearForm(InnerProduct(sphere.Stress(u), Sym(Grad(v))) * dx, symmetric=True)
     slave, master = (
         LinearForm(density * v[0] * ds(name, bonus_intorder=10)).Assemble().vec
         for name in ("slave", "master")
@@ -254,8 +291,8 @@ def BulkCompliance(model):
     load = (slave - master).Evaluate()
     moved.vec.data = a.Assemble().mat.Inverse(V.FreeDofs(), inverse="sparsecholesky") * load
     unit.Set((1, 0, 0))
-    copies = COPIES[problem.model]
+    copies = COPIES[sphere.model]
     force = copies * unit.vec.InnerProduct(slave)
     mean = copies * moved.vec.InnerProduct(load) / force
-    half_spaces = 2 * 3 * force * (2 - problem.nu) / (20 * problem.shear_modulus * radius)
+    half_spaces = 2 * 3 * force * (2 - sphere.nu) / (20 * sphere.shear_modulus * radius)
     return float((mean - half_spaces) / force)

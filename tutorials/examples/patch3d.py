@@ -14,13 +14,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from command import Main, NotNegative, Picture
+from command import Main, NotNegative
 from ngsolve import *
-from scipy.spatial.transform import Rotation
+from pictures import Curves, Show
 
-from ngslac import BubbleVectorH1, ContactSolver, LACContact, LACSpace, SplitSlaveFaces
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.meshes import TwoBlocks3D
+from ngslac.meshes.geometry import RotationMatrix
 
 YOUNG, POISSON, PRESSURE = 2000.0, 0.3, 25.0
 PARTITIONS = ("agglomerated", "bubble", "split")
@@ -54,9 +55,7 @@ class Case:
         tangent = np.cross(normal, [0.3, 0.8, 0.1])
         tangent /= np.linalg.norm(tangent)
         axes = np.column_stack([tangent, np.cross(normal, tangent), normal])
-        axis, angle = TURN
-        turn = Rotation.from_rotvec(angle * np.array(axis) / np.linalg.norm(axis), degrees=True)
-        return turn.as_matrix() @ axes if self.oblique else axes
+        return RotationMatrix(TURN) @ axes if self.oblique else axes
 
     @property
     def stress(self):
@@ -104,7 +103,10 @@ def Load(case, mesh, v):
 
 
 def Solve(case):
-    """The displacement, the contact and the errors of a case, relative to the largest stress."""
+    """The displacement, the contact, and the largest deviations from the constant stress.
+
+    In the bodies and in the multipliers, relative to the largest stress.
+    """
     V = case.Space()
     X = V * LACSpace(V, slave="slave")
     (u, lam), (v, _) = X.TnT()
@@ -115,23 +117,17 @@ def Solve(case):
     gf.components[0].Set(Constant(strain) * CF((x, y, z)), definedon=V.mesh.Boundaries(HELD))
     load = LinearForm(Load(case, V.mesh, v)).Assemble()
     ContactSolver(a, gf, contact, rhs=load.vec).Solve(tol=1e-13, printing=False)
-    return gf.components[0], contact, {"name": case.name, **Errors(case, gf, contact)}
 
-
-def Errors(case, gf, contact):
-    """Largest deviations from the constant stress, in the bodies and in the multipliers."""
     points = [(0.02, 0.03, 0.05), (0.9, 0.05, 0.02), (0.31, 0.3, 0.2), (0.05, 0.1, 0.8)]
     rules = dict.fromkeys((ET.TET, ET.PYRAMID, ET.PRISM, ET.HEX), IntegrationRule(points, [0] * 4))
     stress = Stress(Sym(Grad(gf.components[0])), YOUNG, POISSON)
     values = stress(contact.mesh.MapToAllElements(rules, VOL)).reshape(-1, 3, 3)
     table, size = contact.Table(), np.abs(case.stress).max()
     traction = table["traction"] - table["normal"] @ case.stress
-    return {
-        "stress_error": float(np.abs(values - case.stress).max() / size),
-        "multiplier_error": float(np.abs(traction).max() / size),
-        "macros": len(table["area"]),
-        "dofs": gf.components[0].space.ndof,
-    }
+    figures = {"name": case.name, "macros": len(table["area"])}
+    figures["stress_error"] = float(np.abs(values - case.stress).max() / size)
+    figures["multiplier_error"] = float(np.abs(traction).max() / size)
+    return gf.components[0], contact, figures
 
 
 def Cases(friction=0.0):
@@ -140,36 +136,30 @@ def Cases(friction=0.0):
     return [Case(*kind, oblique, friction) for kind in kinds for oblique in (False, True)]
 
 
-def Run(*, out=None, quiet=True, friction=0.0, cases=None):
-    """Compute, print, write; the figures."""
+def Run(friction: NotNegative = 0.0, cases=None, out=None):
+    """Solve all cases, or some.
+
+    friction : coefficient of friction
+    """
     rows = []
     for case in cases or Cases(friction):
         displacement, contact, figures = Solve(case)
         rows.append(figures)
-        if not quiet:
-            errors = [figures[name] for name in ("stress_error", "multiplier_error")]
-            print(f"{case.name:<34}{errors[0]:9.1e}{errors[1]:9.1e}", flush=True)
-    # numpy's maximum does not lose a NaN
-    worst = float(np.max([[row["stress_error"], row["multiplier_error"]] for row in rows]))
+        line = "{name:<34}{stress_error:9.1e}{multiplier_error:9.1e}"
+        print(line.format(**figures), flush=True)
+    errors = {name: [row[name] for row in rows] for name in ("stress_error", "multiplier_error")}
+    worst = float(np.max([*errors.values()]))  # which does not lose a NaN
+    print(f"largest relative error {worst:.1e} in {len(rows)} cases")
     assert worst < 1e-9, rows
-    if out:
-        Write(out, rows, displacement, contact)
-    if not quiet:
-        print(f"largest relative error {worst:.1e} in {len(rows)} cases")
-    return {"max_error": worst, "cases": rows, "friction": friction}
+
+    number = range(len(rows))
+    curves = {name: (values, number, ".") for name, values in errors.items()}
+    panel = Curves("error", "case", xscale="log", **curves)
+    Show(out, "patch3d", displacement, panel, slave=contact)
+    return {"max_error": worst, "cases": rows}
 
 
-def Write(out, rows, displacement, contact):
-    """The errors of all cases; the slave faces and segments of the last one for ParaView."""
-    with Picture(out, "patch3d_errors", size=(7, 1 + 0.15 * len(rows))) as axes:
-        for key in ("stress_error", "multiplier_error"):
-            axes.semilogx([row[key] for row in rows], [row["name"] for row in rows], "o", label=key)
-        axes.legend()
-    contact.WriteVTU(out / "patch3d_contact.vtu", displacement=displacement)
-    contact.Segments().WriteVTU(out / "patch3d_segments.vtu")
-
-
-main = Main(Run, __doc__, friction=(NotNegative, "coefficient of friction"))
+main = Main(Run)
 
 
 if __name__ == "__main__":

@@ -169,6 +169,15 @@ class J2Plasticity:
         stress = math.sqrt(6) * self.shear * (length - math.sqrt(1.5) * self._Increment(length))
         return stress
 
+    def Smoothed(self):
+        """The accumulated plastic strain as continuous function, by least squares."""
+        space = H1(self.points.mesh, order=1)
+        (u, v), rule = space.TnT(), dx(intrules=self.rules)
+        mass = BilinearForm(u * v * rule).Assemble().mat
+        load, smooth = LinearForm(self.accumulated * v * rule).Assemble(), GridFunction(space)
+        smooth.vec.data = mass.Inverse() * load.vec
+        return smooth
+
     def Integral(self, function):
         """Integral over the mesh by the quadrature rules of the state."""
         mesh = self.state.space.mesh

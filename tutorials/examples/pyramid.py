@@ -12,39 +12,34 @@ import math
 import tempfile
 from pathlib import Path
 
-import numpy as np
-from command import Main, Picture, Positive
+from command import Main
 from netgen.occ import Box, Glue, OCCGeometry, Z
 from ngsolve import *
+from pictures import Map, Show
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import Stress
 from ngslac.tools import Cone, FromSTL
 
 YOUNG, POISSON, FLANK, SIZE = 1.0, 0.3, math.radians(85), 40.0
-MODULUS = YOUNG / (1 - POISSON**2)
-RADIUS = 1.0  # of the contact of the cone
-DEPTH = RADIUS * math.pi / 2 / math.tan(FLANK)
+DEPTH = math.pi / 2 / math.tan(FLANK)  # of the contact of radius 1 of the cone
+FORCE = 2 / math.pi * YOUNG / (1 - POISSON**2) * DEPTH**2 * math.tan(FLANK)  # Sneddon
 
 
-def ConeForce(depth, angle):
-    """On a half-space."""
-    return 2 / math.pi * MODULUS * depth**2 * math.tan(angle)
-
-
-def WritePyramid(file, height=1.0):
-    """A pyramid upside down as text STL, its tip at 0, its flanks 85 degrees from the axis."""
-    side = height * math.tan(FLANK)
-    rim = [(side, side, height), (-side, side, height), (-side, -side, height),
-           (side, -side, height)]  # fmt: skip
-    facets = [((0, 0, 0), rim[(k + 1) % 4], rim[k]) for k in range(4)]
-    facets += [(rim[0], rim[1], rim[2]), (rim[0], rim[2], rim[3])]
+def Pyramid():
+    """From a text STL: upside down, its tip at 0, its flanks 85 degrees from the axis."""
+    side = math.tan(FLANK)
+    a, b, c, d = rim = [(side, side, 1), (-side, side, 1), (-side, -side, 1), (side, -side, 1)]
+    facets = [((0, 0, 0), rim[(k + 1) % 4], rim[k]) for k in range(4)] + [(a, b, c), (a, c, d)]
     lines = ["solid pyramid"]
     for facet in facets:
         lines += ["facet normal 0 0 0", "outer loop"]
-        lines += ["vertex {:.12e} {:.12e} {:.12e}".format(*p) for p in facet]
+        lines += ["vertex {:.12e} {:.12e} {:.12e}".format(*point) for point in facet]
         lines += ["endloop", "endfacet"]
-    Path(file).write_text("\n".join([*lines, "endsolid pyramid", ""]))
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "pyramid.stl"
+        file.write_text("\n".join([*lines, "endsolid pyramid", ""]))
+        return FromSTL(file)
 
 
 def QuarterBlock(h):
@@ -64,57 +59,39 @@ def Press(mesh, tool):
     V = VectorH1(mesh, order=2, dirichletx="x", dirichlety="y", dirichlet="bottom")
     X = V * LACSpace(V, slave="top")
     (u, lam), (v, _) = X.TnT()
-    a = BilinearForm(X)
+    a, depth = BilinearForm(X), Parameter(0)
     a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, POISSON), Sym(Grad(v))) * dx
-    depth = Parameter(0)
-    led = tool.Moved(shift=(0, 0, -depth))
-    contact = LACContact(u, lam, obstacle=led, finite=True)
-    LoadStepper(ContactSolver(a, GridFunction(X), contact), depth).Integrate(
-        DEPTH, steps=2, printing=False
-    )
+    contact = LACContact(u, lam, obstacle=tool.Moved(shift=(0, 0, -depth)), finite=True)
+    stepper = LoadStepper(ContactSolver(a, GridFunction(X), contact), depth)
+    stepper.Integrate(DEPTH, steps=2, printing=False)
     return contact
 
 
-def Write(contacts, folder):
-    with Picture(folder, "pyramid", 1, len(contacts), size=(9, 3)) as axes:
-        for axis, (name, contact) in zip(axes, contacts.items(), strict=True):
-            table = contact.Table()
-            levels = np.linspace(-1e-6, 1, 13) * table["pressure"].max()
-            drawn = axis.tricontourf(*table["x"][:, :2].T, table["pressure"], levels)
-            axis.figure.colorbar(drawn, ax=axis, label="pressure")
-            axis.set(title=name, aspect="equal", xlim=(0, 1.6), ylim=(0, 1.6))
-    contacts["pyramid"].WriteVTU(folder / "pyramid_top")
+def Run(h=0.25, out=None):
+    """Press the tools in: their forces over that of the cone on a half-space.
 
-
-def Run(h=0.25, out=None, quiet=True):
-    """Press the tools in; returns their forces over that of the cone on a half-space."""
-    mesh = QuarterBlock(h)
-    with tempfile.TemporaryDirectory() as folder:
-        WritePyramid(Path(folder) / "pyramid.stl")
-        pyramid = FromSTL(Path(folder) / "pyramid.stl")
-    around = math.atan(math.sqrt(2) * math.tan(FLANK))
-    tools = {"cone inside": Cone((0, 0, 0), (0, 0, 1), FLANK), "pyramid": pyramid}
-    tools["cone around"] = Cone((0, 0, 0), (0, 0, 1), around)
+    h : edge length in the contact zone
+    """
+    mesh, flat = QuarterBlock(h), math.atan(math.sqrt(2) * math.tan(FLANK))
+    tools = {"cone inside": Cone((0, 0, 0), (0, 0, 1), FLANK), "pyramid": Pyramid()}
+    tools["cone around"] = Cone((0, 0, 0), (0, 0, 1), flat)
     contacts = {name: Press(mesh, tool) for name, tool in tools.items()}
-    forces = [-4 * float(contact.Force()[2]) for contact in contacts.values()]
-    inside, between, outside = np.array(forces) / ConeForce(DEPTH, FLANK)
-    assert abs(inside - 1) < 0.05, inside
-    assert inside < between < outside, (inside, between, outside)
-    if out:
-        Write(contacts, out)
-    if not quiet:
-        print(f"force of the cone over Sneddon's {inside:.4f}, of the cone around the pyramid")
-        print(f"{outside / math.sqrt(2):.4f}; of the pyramid over that of the cone inside of it")
-        print(f"{between / inside:.4f}")
-    return {
-        "cone_ratio": inside,
-        "outer_cone_ratio": outside / math.sqrt(2),
-        "pyramid_ratio": between / inside,
-        "macros": int(contacts["pyramid"].space.nmacros),
-    }
+    forces = [-4 * contact.Force()[2] / FORCE for contact in contacts.values()]
+    inside, pyramid, around = forces[0], forces[1] / forces[0], forces[2] / math.sqrt(2)
+    print(f"force of the cone over Sneddon's {inside:.4f}, of the cone around the pyramid")
+    print(f"{around:.4f}; of the pyramid over that of the cone inside of it {pyramid:.4f}")
+    assert abs(inside - 1) < 0.05
+    assert forces == sorted(forces)
+
+    panels, window = [], {"xlim": (0, 1.6), "ylim": (0, 1.6)}
+    for name, contact in contacts.items():
+        table = contact.Table()
+        panels.append(Map(table["x"][:, :2], table["pressure"], f"pressure, {name}", **window))
+    Show(out, "pyramid", None, *panels, top=contacts["pyramid"])
+    return {"cone_ratio": inside, "outer_cone_ratio": around, "pyramid_ratio": pyramid}
 
 
-main = Main(Run, __doc__, h=(Positive, "edge length in the contact zone"))
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -10,130 +10,69 @@ What comes out has the thickness of the gap between the rolls, and the volume of
 """
 
 import numpy as np
-from command import Columns, Count, Main, NotNegative, Picture, Positive
-from deformed import Deformed
+from command import Main, NotNegative
 from ngsolve import *
 from ngsolve.meshes import MakeStructured2DMesh
+from pictures import Bodies, Curves, Show
 from plasticity import J2Plasticity, LogStrain
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.tools import Sphere
 
 LENGTH, RADIUS, GAPS = 4.0, 2.0, (0.75, 0.5)
-YOUNG, POISSON, YIELD, HARDENING = 70e3, 0.3, 200.0, 200.0
 FROM, TO, BACK = 1.2, 2.4, 1.4  # where the roll goes down, turns back, and stops
 
 
-class Mill:
-    """The plate, its left end and its middle plane held, and the roll.
+def Run(h=0.167, steps=16, friction: NotNegative = 0.1, out=None):
+    """Both passes: thickness after each, and the volume over that before.
 
-    Parameters
-    ----------
-    h : float
-        Edge length.
-    friction : float
+    h : edge length
+    steps : steps along the plate, per pass
+    friction : coefficient
     """
+    size = {"nx": round(LENGTH / h), "ny": max(2, round(0.5 / h))}
+    mesh = MakeStructured2DMesh(quads=False, mapping=lambda s, t: (LENGTH * s, t / 2), **size)
+    V = VectorH1(mesh, order=2, dirichletx="left", dirichlety="bottom")
+    X = V * LACSpace(V, slave="top")
+    u, lam = X.TrialFunction()
+    material = J2Plasticity(mesh, young=70e3, poisson=0.3, yield_stress=200.0, hardening=200.0)
+    a, gf, down, way = BilinearForm(X), GridFunction(X), Parameter(0.0), Parameter(0.0)
+    a += Variation(material.Energy(LogStrain(Grad(u))) * dx(intrules=material.rules))
+    above = FROM, 0.5 + RADIUS
+    path = {"shift": (way, -down), "angle": -way / RADIUS, "center": above}
+    roll = Sphere(above, RADIUS).Moved(**path)
+    contact = LACContact(u, lam, obstacle=roll, finite=True, friction=friction)
+    solver, moved = ContactSolver(a, gf, contact), gf.components[0]
+    strain, start = LogStrain(Grad(moved)), np.linspace(0, LENGTH, 400)
+    forces, thickness = [], []  # on the roll; in the middle of the way
 
-    def __init__(self, h, friction):
-        nx, ny = round(LENGTH / h), max(2, round(0.5 / h))
-        self.mesh = MakeStructured2DMesh(
-            quads=False, nx=nx, ny=ny, mapping=lambda s, t: (LENGTH * s, 0.5 * t)
-        )
-        V = VectorH1(self.mesh, order=2, dirichletx="left", dirichlety="bottom")
-        X = V * LACSpace(V, slave="top")
-        u, lam = X.TrialFunction()
-        self.material = J2Plasticity(
-            self.mesh, young=YOUNG, poisson=POISSON, yield_stress=YIELD, hardening=HARDENING
-        )
-        self.a = BilinearForm(X)
-        energy = self.material.Energy(LogStrain(Grad(u)))
-        self.a += Variation(energy * dx(intrules=self.material.rules))
-        self.gf = GridFunction(X)
-        self.displacement = self.gf.components[0]
-        self.down, self.way = Parameter(0.0), Parameter(0.0)
-        above = FROM, 0.5 + RADIUS
-        self.roll = Sphere(above, RADIUS).Moved(
-            shift=(self.way, -self.down), angle=-self.way / RADIUS, center=above
-        )
-        self.contact = LACContact(u, lam, obstacle=self.roll, finite=True, friction=friction)
-        self.solver = ContactSolver(self.a, self.gf, self.contact)
-        self.steps = []
+    def Note(step):
+        material.Commit(strain)
+        forces.append(-contact.Force())
 
-    def Go(self, parameter, end, steps, printing):
-        """Move the roll; its way, depth and the force on it are noted."""
+    for gap, end in zip(GAPS, (TO, BACK), strict=True):
+        flags = {"printing": False, "callback": Note}
+        LoadStepper(solver, down).Integrate((1 - gap) / 2, steps=max(2, steps // 4), **flags)
+        LoadStepper(solver, way).Integrate(end - FROM, steps=steps, **flags)
+        top = np.array([moved(mesh(s, 0.5)) for s in start])
+        half = np.interp((TO + BACK) / 2, start + top[:, 0], 0.5 + top[:, 1])
+        thickness.append(2 * float(half))
+    volume = Integrate(Det(Id(2) + Grad(moved)), mesh, order=4) / Integrate(1, mesh)
+    print("thickness after both passes {:.4f} {:.4f}".format(*thickness))
+    print(f"volume over that before {volume:.5f}")
+    assert np.allclose(thickness, GAPS, atol=0.02), thickness
+    assert abs(volume - 1) < 0.01, volume
 
-        def Note(step):
-            self.material.Commit(LogStrain(Grad(self.displacement)))
-            force = -self.contact.Force()
-            row = {"way": self.way.Get(), "down": self.down.Get()}
-            self.steps.append(row | {"along": float(force[0]), "lift": float(force[1])})
-
-        stepper = LoadStepper(self.solver, parameter)
-        stepper.Integrate(end, steps=steps, printing=printing, callback=Note)
-
-    def Passes(self, steps, printing):
-        """Both passes; returns the half thickness after each, in the middle of the way."""
-        found = []
-        for gap, end in zip(GAPS, (TO, BACK), strict=True):
-            self.Go(self.down, (1 - gap) / 2, max(2, steps // 4), printing)
-            self.Go(self.way, end - FROM, steps, printing)
-            found.append(self.HalfThickness((TO + BACK) / 2))
-        return found
-
-    def HalfThickness(self, at):
-        """Height of the deformed top at a place."""
-        start = np.linspace(0, LENGTH, 400)
-        move = np.array([self.displacement(self.mesh(s, 0.5)) for s in start])
-        return float(np.interp(at, start + move[:, 0], 0.5 + move[:, 1]))
-
-    def Volume(self):
-        """Over that before."""
-        F = Id(2) + Grad(self.displacement)
-        return Integrate(Det(F), self.mesh, order=4) / Integrate(1, self.mesh)
+    along, lift = np.transpose(forces)
+    steps = np.arange(len(lift))
+    curves = {"upwards": (steps, lift, ".-"), "along": (steps, along, ".-")}
+    Show(out, "rolling", moved, Bodies(moved), Curves("step", "force on the roll", **curves),
+         top=contact)  # fmt: skip
+    length = LENGTH + moved(mesh(LENGTH, 0.0))[0]
+    return {"thickness": thickness, "volume": volume, "length": length}
 
 
-def Write(mill, folder):
-    rows = Columns(mill.steps)
-    with Picture(folder, "rolling", 2, 1, size=(7, 5)) as (above, below):
-        points, faces = Deformed(mill.displacement, mill.mesh.GetMaterials())
-        above.triplot(*points.T, faces, lw=0.4, color="k")
-        above.set(aspect="equal", xlabel="x", ylabel="y")
-        below.plot(rows["lift"], ".-", label="upwards")
-        below.plot(rows["along"], ".-", label="along")
-        below.set(xlabel="step", ylabel="force on the roll")
-        below.legend()
-    mill.contact.WriteVTU(folder / "rolling_top", displacement=mill.displacement)
-
-
-def Run(h=0.167, steps=16, friction=0.1, out=None, quiet=True):
-    """Both passes; returns thicknesses, forces and the volume."""
-    mill = Mill(h, friction)
-    halves = mill.Passes(steps, not quiet)
-    lifts = [row["lift"] for row in mill.steps]
-    figures = {
-        "thickness": [2 * half for half in halves],
-        "volume": float(mill.Volume()),
-        "peak_lift": max(lifts),
-        "length": LENGTH + float(mill.displacement(mill.mesh(LENGTH, 0.0))[0]),
-        "steps": len(lifts),
-    }
-    assert np.allclose(figures["thickness"], GAPS, atol=0.02), figures
-    assert abs(figures["volume"] - 1) < 0.01, figures
-    if out:
-        Write(mill, out)
-    if not quiet:
-        print("thickness after both passes {:.4f} {:.4f}".format(*figures["thickness"]))
-        print(f"volume over that before {figures['volume']:.5f}")
-    return figures
-
-
-main = Main(
-    Run,
-    __doc__,
-    h=(Positive, "edge length"),
-    steps=(Count, "steps along the plate, per pass"),
-    friction=(NotNegative, "coefficient"),
-)
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

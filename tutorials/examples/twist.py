@@ -11,88 +11,75 @@ By default a quarter is computed, with conditions of antisymmetry for the twist;
 needs no such argument, and four times as many unknowns.
 """
 
-from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from command import Positive
+from command import Main, NotNegative, Positive
 from lubkin import TwistPoint
-from movedsphere import Sphere
-from stickzone import FIRST, Example, Results, Row, Summary
-
-COLUMNS = ["angle", "moment_ratio", "moment_exact", "stick_ratio", "stick_ratio_fit"]
-COLUMNS += ["stick_ratio_exact", "traction_misfit"]
+from movedsphere import FIRST, Sphere
 
 
-@dataclass(frozen=True, kw_only=True)
-class Problem(Sphere):
-    """What to compute: the fields of `Sphere`, and the path of the load."""
-
-    model: str = "quarter"
-    elements: float = 6.0
-    angle: float = 1.5  # the largest, in units of F p0 / (2 G*), where G* = G/2
-
-    def Twisted(self, force, moment):
-        """Lubkin's solution for a normal force and a moment."""
-        return TwistPoint(hertz=self.Hertz(force), moment=moment, friction=self.friction)
-
-    def Angles(self, force):
-        """The angles of the steps, at a normal force."""
-        unit = self.friction * self.Hertz(force).peak / self.shear_modulus
-        parts = np.arange(1, self.steps + 1) / self.steps
-        return unit * np.array([FIRST, *self.angle * parts])
+def Twisted(sphere, force, moment):
+    """Lubkin's solution for a normal force and a moment."""
+    return TwistPoint(hertz=sphere.Hertz(force), moment=moment, friction=sphere.friction)
 
 
-def Solve(callback=None, **options):
-    """Press and turn; the results."""
-    results = Results(Problem(**options))
-    force = results.model.Press(callback).force[2]
-    results.model.Turn(*results.problem.Angles(force), callback=callback)
-    results.figures = _Figures(results)
-    return results
+def Angles(sphere, force, steps, angle):
+    """The angles of the steps, at a normal force; the largest in units of F p0 / (2 G*)."""
+    unit = sphere.friction * sphere.Hertz(force).peak / sphere.shear_modulus
+    return unit * np.array([FIRST, *angle * np.arange(1, steps + 1) / steps])
 
 
-def _Row(results, step):
-    """Figures of a step."""
-    problem, state, exact = results.problem, results.states[step], results.exact[step]
-    angle = state.motion["angle"]
-    at = TwistPoint.FromAngle(hertz=exact.hertz, angle=angle, friction=problem.friction)
-    return {
-        "angle": angle,
-        "moment": -state.moment,
-        "moment_ratio": -state.moment / at.limit,
-        "moment_exact": at.moment / at.limit,
-    } | Row(results, step, lambda part: problem.Twisted(state.force[2], -part * at.limit))
+def Run(
+    model: Literal["quarter", "full"] = "quarter", elements=6.0, order: Literal[1, 2, 3] = 2,
+    stabilize: Literal["none", "bubble"] = "bubble", friction: Positive = 0.3,
+    nu: NotNegative = 0.3, steps=5, angle=1.5, smooth=False, press=2, out=None
+):  # fmt: skip
+    """Press and turn.
 
+    model : part that is computed
+    elements : element edges along the contact radius
+    order : order of the displacement
+    stabilize : how macro-elements are made
+    friction : coefficient of friction
+    nu : Poisson's ratio
+    steps : steps of the tangential load
+    angle : largest angle
+    smooth : no friction while pressing
+    """
+    sphere = Sphere(model=model, elements=elements, order=order, stabilize=stabilize,
+                    friction=friction, nu=nu, smooth=smooth, press=press)  # fmt: skip
+    pressed = sphere.Press()
+    first = sphere.Move("angle", *Angles(sphere, pressed.force[2], steps, angle))[0]
+    exact, rows = [], []
+    for state in sphere.moved:
+        force, turned = state.force[2], state.motion["angle"]
+        limit = Twisted(sphere, force, 0.0).limit
+        exact.append(Twisted(sphere, force, float(np.clip(state.moment, -limit, limit))))
+        at = {"hertz": sphere.Hertz(force), "friction": sphere.friction}
+        moment = TwistPoint.FromAngle(angle=turned, **at).moment
+        row = {"angle": turned, "moment_ratio": -state.moment / limit}
+        row["moment_exact"] = moment / limit
 
-def _Figures(results):
-    problem = results.problem
-    for state in results.states:
-        limit = problem.Twisted(state.force[2], 0.0).limit
-        moment = np.clip(state.moment, -limit, limit)
-        results.exact.append(problem.Twisted(state.force[2], float(moment)))
-    rows = [_Row(results, step) for step in range(len(results.states))]
-    pressed, first = results.model.states[problem.press - 1 : problem.press + 1]
+        def Part(part, force=force, limit=limit):
+            return Twisted(sphere, force, -part * limit)
+
+        rows.append(row | sphere.Row(state, exact[-1], Part))
     slope = (pressed.moment - first.moment) / first.motion["angle"]
-    return {
-        "stiffness_ratio": slope / problem.Twisted(first.force[2], 0.0).stiffness,
+    figures = {
+        "stiffness_ratio": slope / Twisted(sphere, first.force[2], 0.0).stiffness,
         "moment_error": max(abs(r["moment_ratio"] / r["moment_exact"] - 1) for r in rows),
-        **Summary(results.model, rows),
     }
+    figures |= sphere.Summary(rows)
+    columns = ["angle", "moment_ratio", "moment_exact", "stick_ratio", "stick_ratio_fit"]
+    sphere.Tell(figures, [*columns, "stick_ratio_exact", "traction_misfit"], "moment_error")
+    assert figures["moment_error"] < 0.2 / elements, figures
+    assert figures["stick_error"] < 0.4 / elements, figures
+    sphere.Show(out, "twist", rows, ("angle", "moment_ratio"), ("angle", "moment_exact"))
+    return figures | {"solution": (sphere, exact)}
 
 
-main = Example(
-    "twist",
-    Solve,
-    __doc__,
-    Problem,
-    ("quarter", "full"),
-    load=lambda state: f"M = {-state.moment:9.3f} Nmm",
-    columns=COLUMNS,
-    told=("moment_error",),
-    curves=(("angle", "moment_ratio"), ("angle", "moment_exact")),
-    angle=(Positive, "largest angle"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -11,12 +11,15 @@ The steady torque is compared with that of a flat square punch under uniform pre
 friction, force and width: 0.950 and 0.993 of it for 3 and 4 faces (steps of 15 degrees).
 """
 
+from typing import Literal
+
 import numpy as np
-from command import Columns, Count, Main, NotNegative, Picture, Positive
+from command import Main, NotNegative
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import *
+from pictures import Curves, Show
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.materials import NeoHooke
 from ngslac.meshes import StructuredBox
 
@@ -48,110 +51,77 @@ def TwistMesh(n=3):
     return Mesh(mesh)
 
 
-class Blocks:
-    """Both blocks and the solver; `rows` has an entry for each step."""
-
-    def __init__(self, n=3, order=2, friction=0.3, angle=180.0, rigid=False):
-        self.mesh, self.friction, self.angle, self.rows = TwistMesh(n), friction, angle, []
-        self.bodies = self.mesh.Materials("upper" if rigid else ".*")
-        V = VectorH1(self.mesh, order=order, dirichlet="upper_top|lower_bottom")
-        X = V * LACSpace(V, slave="upper_bottom")
-        u, lam = X.TrialFunction()
-        a, gf, self.load = BilinearForm(X), GridFunction(X), Parameter(0.0)
-        energy = NeoHooke(Id(3) + Grad(u), self.mesh.MaterialCF(YOUNG), POISSON)
-        a += Variation(energy.Compile() * dx(definedon=self.bodies))
-        self.displacement = gf.components[0]
-        self.contact = LACContact(
-            u, lam, master="lower_top", friction=friction or None, finite=True
-        )
-        free = X.FreeDofs()
-        if rigid:  # a plane: the slip becomes exactly steady
-            free = free & ~X.GetDofs(self.mesh.Materials("lower"))
-        solver = ContactSolver(a, gf, self.contact, freedofs=free)
-        self.stepper = LoadStepper(solver, self.load, prescribe={"upper_top": self._Motion()})
-
-    def _Motion(self):
-        """The top goes down until the time 1 and turns until the time 2."""
-        t = self.load
-        down, turned = IfPos(t - 1, 1, t), np.radians(self.angle) * IfPos(t - 1, t - 1, 0)
-        c, s = cos(turned), sin(turned)
-        return CF((c * x - s * y - x, s * x + c * y - y, -DEPTH * down))
-
-    def Turn(self, steps, callback=None):
-        """Press in two steps and turn in `steps`; ``callback(row)`` sees each of them."""
-
-        def Record(step):
-            self.rows.append(self._Row(step))
-            if callback:
-                callback(self.rows[-1])
-
-        for end, count in ((1.0, 2), (2.0, steps)):
-            self.stepper.Integrate(end, steps=count, callback=Record, printing=False)
-
-    def _Row(self, step):
-        status, force = self.contact.Table()["status"], self.contact.Force()[2]
-        torque = -self.contact.Moment((0, 0, 0))[2]
-        punch = self.friction * force * WIDTH * MEAN_DISTANCE
-        return {
-            "angle": self.angle * max(step.time - 1.0, 0.0),  # of the top, in degrees
-            "force": force,  # of the contact on the upper block, N
-            "torque": torque,  # that turns it, N mm
-            "punch_ratio": torque / punch if punch else None,
-            "status": [int((status == k).sum()) for k in range(3)],  # open, stick, slip
-            "iterations": step.iterations,
-            "cuts": step.cuts,
-        }
-
-    def Figures(self):
-        """Each number of the steps as a list; the first two press, the others turn."""
-        return Columns(self.rows)
+def Problem(n=3, order=2, friction=0.3, angle=180.0, rigid=False):
+    """The stepper, whose load presses until 1 and turns until 2, and the contact."""
+    mesh = TwistMesh(n)
+    V = VectorH1(mesh, order=order, dirichlet="upper_top|lower_bottom")
+    X = V * LACSpace(V, slave="upper_bottom")
+    u, lam = X.TrialFunction()
+    a, t = BilinearForm(X), Parameter(0.0)
+    energy = NeoHooke(Id(3) + Grad(u), mesh.MaterialCF(YOUNG), POISSON)
+    a += Variation(energy.Compile() * dx("upper" if rigid else ".*"))
+    contact = LACContact(u, lam, master="lower_top", friction=friction or None, finite=True)
+    free = X.FreeDofs()
+    if rigid:  # a plane: the slip becomes exactly steady
+        free = free & ~X.GetDofs(mesh.Materials("lower"))
+    down, turned = IfPos(t - 1, 1, t), np.radians(angle) * IfPos(t - 1, t - 1, 0)
+    c, s = cos(turned), sin(turned)
+    motion = CF((c * x - s * y - x, s * x + c * y - y, -DEPTH * down))
+    solver = ContactSolver(a, GridFunction(X), contact, freedofs=free)
+    return LoadStepper(solver, t, prescribe={"upper_top": motion}), contact
 
 
-def DrawTorque(axes, figures, friction):
-    """The torque over the angle, beside that of a flat punch under the same force."""
-    axes.plot(figures["angle"], figures["torque"], "o-", ms=3, label="computed")
+def Turn(stepper, contact, steps, friction, angle, callback=print):
+    """Press in two steps and turn; numbers of each step, of which `callback` sees a text."""
+    rows = []
+
+    def Note(step):
+        status, force = contact.Table()["status"], step.forces[0][2]
+        torque, punch = -contact.Moment((0, 0, 0))[2], friction * force * WIDTH * MEAN_DISTANCE
+        row = {"angle": angle * max(step.time - 1.0, 0.0)}  # of the top, in degrees
+        row |= {"force": force, "torque": torque}  # of the contact on the upper block
+        row |= {"punch_ratio": torque / punch if punch else None}
+        row["status"] = [int((status == k).sum()) for k in range(3)]  # open, stick, slip
+        line = "{angle:6.1f} degrees   force {force:8.5f} N   torque {torque:8.5f} N mm   {status}"
+        rows.append(row | {"iterations": step.iterations, "cuts": step.cuts})
+        callback(line.format(**row))
+
+    for end, count in ((1.0, 2), (2.0, steps)):
+        stepper.Integrate(end, steps=count, callback=Note, printing=False)
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+def Torque(figures, friction):
+    """A panel: the torque over the angle, beside that of a flat punch under the same force."""
     punch = friction * WIDTH * MEAN_DISTANCE * np.array(figures["force"])
-    axes.plot(figures["angle"], punch, "k--", label=r"$0.3826 \mu F a$")
-    axes.set(xlabel="angle [degrees]", ylabel="torque [N mm]")
-    axes.legend()
+    curves = {"computed": (figures["angle"], figures["torque"], "o-")}
+    curves[r"$0.3826 \mu F a$"] = figures["angle"], punch, "k--"
+    return Curves("angle [degrees]", "torque [N mm]", **curves)
 
 
-def Write(blocks, folder):
-    """The torque as a picture; scene for the browser, and the contact for ParaView."""
-    with Picture(folder, "twistblocks") as axes:
-        DrawTorque(axes, blocks.Figures(), blocks.friction)
-    scene = blocks.contact.Draw("traction", deformation=blocks.displacement, show=False)
-    scene.GenerateHTML(filename=str(folder / "twistblocks.html"))
-    blocks.contact.WriteVTU(folder / "twistblocks", displacement=blocks.displacement)
+def Run(n=3, order: Literal[2, 3] = 2, friction: NotNegative = 0.3, angle=180.0, steps=12,
+        rigid=False, out=None):  # fmt: skip
+    """Press and turn.
 
-
-def _Print(row):
-    line = "{angle:6.1f} degrees   force {force:8.5f} N   torque {torque:8.5f} N mm   {status}"
-    print(line.format(**row), flush=True)
-
-
-def Run(steps=12, out=None, quiet=True, **options):
-    """Press and turn; the options are those of `Blocks`. Returns the numbers of the steps."""
-    blocks = Blocks(**options)
-    blocks.Turn(steps, None if quiet else _Print)
-    figures = blocks.Figures() | {"steps": steps, "converged_steps": len(blocks.rows) - 2}
-    if out:
-        Write(blocks, out)
+    n : faces of the upper block in each direction
+    order : order of the displacement
+    friction : coefficient of friction
+    angle : angle of the turn in degrees
+    steps : load steps of the turn
+    rigid : the lower block is rigid
+    """
+    stepper, contact = Problem(n, order, friction, angle, rigid)
+    figures = Turn(stepper, contact, steps, friction, angle)
+    assert abs(figures["angle"][-1] - angle) < 1e-9 * angle
+    # A punch of few faces has less than that of a square; more is more than friction can carry.
+    assert max(ratio or 0 for ratio in figures["punch_ratio"]) < 1.05, figures["punch_ratio"]
+    Show(
+        out, "twistblocks", stepper.solver.gf.components[0], Torque(figures, friction), face=contact
+    )
     return figures
 
 
-main = Main(
-    Run,
-    __doc__,
-    Blocks,
-    n=(Count, "faces of the upper block in each direction"),
-    order=((2, 3), "order of the displacement"),
-    friction=(NotNegative, "coefficient of friction"),
-    angle=(Positive, "angle of the turn in degrees"),
-    steps=(Count, "load steps of the turn"),
-    rigid=(bool, "the lower block is rigid"),
-)
-
+main = Main(Run)
 
 if __name__ == "__main__":
     main()

@@ -10,16 +10,16 @@ needs a larger one, and the billet bulges. (Dies that come nearer by a third or 
 over the rim; for that the mesh is too coarse there.)
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
-from command import Columns, Count, Main, NotNegative, Picture, Positive
+from command import Main, NotNegative
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import *
+from pictures import Curves, Show
 from plasticity import J2Plasticity, LogStrain
 
-from ngslac import ContactSolver, LACContact, LACSpace, LoadStepper
+from ngslac import *
 from ngslac.meshes import StructuredBox
 from ngslac.tools import Plane
 
@@ -27,20 +27,15 @@ RADIUS, HALF = 10.0, 15.0  # of the billet, half of its length
 YOUNG, POISSON, YIELD, HARDENING = 200e3, 0.3, 700.0, 300.0
 
 
-def Round(points):
-    """A square of side 1 becomes a quarter of a disc."""
-    s, t, z = points.T
-    x, y = s * np.sqrt(1 - t**2 / 2), t * np.sqrt(1 - s**2 / 2)
-    return np.column_stack([RADIUS * x, RADIUS * y, HALF * z])
-
-
 def Billet(n):
     """With n by n by n hexahedra; "top" and "side", and "x", "y" and "z", where these are 0."""
     names = {"left": "x", "front": "y", "bottom": "z", "right": "side", "back": "side"}
-    grid = np.linspace(0, 1, n + 1)
+    grid, ngmesh = np.linspace(0, 1, n + 1), NetgenMesh(dim=3)
     box = StructuredBox(grid, grid, grid, names=lambda side, centre: names.get(side, side))
-    ngmesh = NetgenMesh(dim=3)
-    replace(box, points=Round(box.points)).AddTo(ngmesh, "billet")
+    s, t, z = box.points.T  # the square of side 1 becomes a quarter of a disc
+    x, y = s * np.sqrt(1 - t**2 / 2), t * np.sqrt(1 - s**2 / 2)
+    points = np.column_stack([RADIUS * x, RADIUS * y, HALF * z])
+    replace(box, points=points).AddTo(ngmesh, "billet")
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -52,97 +47,55 @@ def SmoothForce(depth, area):
     the force on the cross section of before, times the stretch.
     """
     stretch = 1 - depth / HALF
-    strain = -math.log(stretch)
-    plastic = max(0.0, (YOUNG * strain - YIELD) / (YOUNG + HARDENING))
+    strain = -np.log(stretch)
+    plastic = np.maximum(0.0, (YOUNG * strain - YIELD) / (YOUNG + HARDENING))
     return YOUNG * (strain - plastic) * area / stretch
 
 
-class Press:
-    """The billet under the die, of which `Upset` notes way and force (of the whole billet)."""
+def Run(n=4, friction: NotNegative = 0.2, depth=3.0, steps=10, out=None):
+    """Upset the billet: force over that without friction, bulge, volume over that before.
 
-    def __init__(self, n, friction):
-        self.mesh, self.steps = Billet(n), []
-        V = VectorH1(self.mesh, order=2, dirichletx="x", dirichlety="y", dirichletz="z")
-        X = V * LACSpace(V, slave="top|side")
-        u, lam = X.TrialFunction()
-        law = {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING}
-        self.material = J2Plasticity(self.mesh, **law, order=2)
-        a = BilinearForm(X)
-        energy = self.material.Energy(LogStrain(Grad(u)))
-        a += Variation(energy * dx(intrules=self.material.rules))
-        self.gf, self.down = GridFunction(X), Parameter(0)
-        self.displacement = self.gf.components[0]
-        die = Plane((0, 0, HALF), (0, 0, -1)).Moved(shift=(0, 0, -self.down))
-        self.contact = LACContact(u, lam, obstacle=die, finite=True, friction=friction or None)
-        self.solver = ContactSolver(a, self.gf, self.contact)
-
-    def Upset(self, depth, steps, printing):
-        area = Integrate(1, self.mesh.Boundaries("top"))
-
-        def Note(step):
-            self.material.Commit(LogStrain(Grad(self.displacement)))
-            force, smooth = -float(self.contact.Force()[2]), SmoothForce(step.time, area)
-            self.steps.append({"depth": step.time, "force": 4 * force, "smooth": 4 * smooth})
-
-        stepper = LoadStepper(self.solver, self.down)
-        stepper.Integrate(depth, steps=steps, printing=printing, callback=Note)
-
-    def Bulge(self):
-        """Radii in the middle of the length and at the die."""
-        places = (RADIUS, 0, 0), (RADIUS, 0, HALF)
-        return [RADIUS + self.displacement(self.mesh(*place))[0] for place in places]
-
-    def Volume(self):
-        """Over that before."""
-        F = Id(3) + Grad(self.displacement)
-        return Integrate(Det(F), self.mesh, order=6) / Integrate(1, self.mesh)
-
-
-def Write(press, folder):
-    rows = Columns(press.steps)
-    with Picture(folder, "upsetting", 1, 2, size=(9, 3.5)) as (left, right):
-        left.plot(rows["depth"], rows["force"], ".-", label="computed")
-        left.plot(rows["depth"], rows["smooth"], "k--", lw=0.9, label="smooth, exact")
-        left.set(xlabel="way of each die [mm]", ylabel="force [N]", ylim=(0, None))
-        left.legend()
-        height = np.linspace(0, HALF, 60)
-        side = np.array([press.displacement(press.mesh(RADIUS, 0, z)) for z in height])
-        right.plot(RADIUS + side[:, 0], height + side[:, 2])
-        right.axhline(HALF - rows["depth"][-1], color="k", lw=0.9)
-        right.set(xlabel="radius [mm]", ylabel="height [mm]", title="side of the billet")
-    press.contact.WriteVTU(folder / "upsetting", displacement=press.displacement)
-
-
-def Run(n=4, friction=0.2, depth=3.0, steps=10, out=None, quiet=True):
-    """Upset the billet; returns forces over those without friction, bulge and volume."""
+    n : elements along the radius and along half of the length
+    friction : coefficient
+    depth : way of each die, in mm, less than 6
+    steps : steps
+    """
     if depth >= 6:
         raise ValueError(f"depth = {depth} must be less than 6: the side would fold over the rim")
-    press = Press(n, friction)
-    press.Upset(depth, steps, not quiet)
-    middle, end = press.Bulge()
-    ratios = [row["force"] / row["smooth"] for row in press.steps]
-    assert all(ratio > 1 if friction else abs(ratio - 1) < 1e-4 for ratio in ratios), ratios
-    if out:
-        Write(press, out)
-    if not quiet:
-        print(f"force over that without friction {ratios[-1]:.6f}")
-        print(f"radius in the middle {middle:.4f} mm, at the die {end:.4f} mm")
-    return {
-        "force": press.steps[-1]["force"],
-        "force_ratio": ratios,
-        "bulge": middle - end,
-        "volume": float(press.Volume()),
-    }
+    mesh = Billet(n)
+    V = VectorH1(mesh, order=2, dirichletx="x", dirichlety="y", dirichletz="z")
+    X = V * LACSpace(V, slave="top|side")
+    u, lam = X.TrialFunction()
+    law = {"young": YOUNG, "poisson": POISSON, "yield_stress": YIELD, "hardening": HARDENING}
+    material = J2Plasticity(mesh, **law, order=2)
+    a, gf, down = BilinearForm(X), GridFunction(X), Parameter(0)
+    a += Variation(material.Energy(LogStrain(Grad(u))) * dx(intrules=material.rules))
+    die = Plane((0, 0, HALF), (0, 0, -1)).Moved(shift=(0, 0, -down))
+    contact = LACContact(u, lam, obstacle=die, finite=True, friction=friction or None)
+    stepper, moved = LoadStepper(ContactSolver(a, gf, contact), down), gf.components[0]
+    strain = LogStrain(Grad(moved))
+    flags = {"printing": False, "callback": lambda _: material.Commit(strain)}
+    stepper.Integrate(depth, steps=steps, **flags)
+
+    way, force = stepper.Table()["load"], -4 * stepper.Table()["force"][:, 0, 2]
+    smooth = 4 * SmoothForce(way, Integrate(1, mesh.Boundaries("top")))
+    ratios = force / smooth
+    middle, end = (RADIUS + moved(mesh(RADIUS, 0, height))[0] for height in (0, HALF))
+    volume = Integrate(Det(Id(3) + Grad(moved)), mesh, order=6) / Integrate(1, mesh)
+    print(f"force over that without friction {ratios[-1]:.6f}")
+    print(f"radius in the middle {middle:.4f} mm, at the die {end:.4f} mm")
+    assert (ratios > 1).all() if friction else np.allclose(ratios, 1, rtol=0, atol=1e-4), ratios
+
+    forces = {"computed": (way, force, ".-"), "smooth,_exact": (way, smooth, "k--")}
+    height = np.linspace(0, HALF, 60)
+    side = np.array([moved(mesh(RADIUS, 0, z)) for z in height])
+    shape = {"side_of_the_billet": (RADIUS + side[:, 0], height + side[:, 2], "-")}
+    Show(out, "upsetting", moved, Curves("way of each die [mm]", "force [N]", **forces),
+         Curves("radius [mm]", "height [mm]", **shape), die=contact)  # fmt: skip
+    return {"force_ratio": ratios.tolist(), "bulge": middle - end, "volume": volume}
 
 
-main = Main(
-    Run,
-    __doc__,
-    n=(Count, "elements along the radius and along half of the length"),
-    friction=(NotNegative, "coefficient"),
-    depth=(Positive, "way of each die, in mm, less than 6"),
-    steps=(Count, "steps"),
-)
+main = Main(Run)
 
 if __name__ == "__main__":
     main()
