@@ -126,10 +126,6 @@ RUNS = [
         "holder_force": approx(3, rel=1e-6), "balance": approx(0, abs=1e-6),
         "volume": approx(1, abs=1e-3), "draw_in punch_force": lambda *values: min(values) > 0,
     }, "draw-in", "cup.png cup_die.vtu"),
-    ("drawing", "--depth 0.03 --steps 6", {
-        "holder_force": approx(10, rel=1e-6), "balance": approx(0, abs=1e-6),
-        "draw_in punch_force": lambda *values: min(values) > 0,
-    }, "draw-in", "drawing.png drawing_die.vtu"),
 ]  # fmt: skip
 
 
@@ -179,7 +175,6 @@ HELP = [
     ("rolling", 0.167, "--h 0; --steps 0; --friction -1"),
     ("pyramid", 0.25, "--h 0"),
     ("cup", 0.25, "--h 0; --depth 0; --steps 0; --friction -1; --force 0"),
-    ("drawing", 0.04, "--h 0; --depth 0; --steps 0; --friction -1; --force 0"),
 ]  # fmt: skip
 
 

@@ -8,7 +8,6 @@ from functools import partial
 import belt
 import carter
 import cup
-import drawing
 import flatpunch
 import pyramid
 import rolling
@@ -101,18 +100,6 @@ def Pyramid(quick):
     return Outcome(rows, draw, "Pressures under a cone, the pyramid and the cone around it.")
 
 
-def Drawing(quick):
-    options = {"depth": 0.03, "steps": 6} if quick else {"depth": 0.08, "steps": 16}
-    figures = drawing.Run(**options)
-    rows = [
-        Row("force of the holder", figures["holder_force"], 10.0, Tolerance(1e-6, kind="relative")),
-        Row("sum of all forces over that of the die", figures["balance"], 0, Tolerance(1e-6)),
-        Row("draw-in", figures["draw_in"], 0),
-    ]
-    draw = FromFolder(partial(_Draw, drawing, **options), "drawing.png")
-    return Outcome(rows, draw, "The sheet, and the forces of punch, die and holder.")
-
-
 def Cup(quick):
     options = {"h": 0.2, "depth": 0.01, "steps": 2} if quick else {}
     figures = cup.Run(**options)
@@ -182,14 +169,6 @@ CASES = [
         "Sneddon (1965) for cones, in small displacements; the pyramid between them.",
         "python tutorials/examples/pyramid.py",
         Pyramid,
-    ),
-    Case(
-        "drawing",
-        "Deep drawing of a channel",
-        "Punch on a path, die at rest, holder moved by a force: its travel is an unknown.",
-        "The balance of forces.",
-        "python tutorials/examples/drawing.py --depth 0.08 --steps 16",
-        Drawing,
     ),
     Case(
         "cup",

@@ -12,7 +12,6 @@ ELSEWHERE = {
     "carter": "examples/test_example_scripts.py::test_numbers_and_files",
     "cup": "examples/test_example_scripts.py::test_numbers_and_files",
     "pyramid": "examples/test_example_scripts.py::test_numbers_and_files",
-    "drawing": "examples/test_example_scripts.py::test_numbers_and_files",
     "cattaneo3d": "examples/test_example_scripts.py::test_numbers_and_files",
     "indentation": "examples/test_example_plasticity.py::test_loading_unloading_and_loading_again",
     "flat-ring": "examples/test_example_solutions.py::test_the_flat_ring_touches_itself_as_a_plane",

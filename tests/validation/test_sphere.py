@@ -118,7 +118,7 @@ def test_twist(twisted):
     # The limit 3 pi/16 F P a; at the middle, slip is too small to tell.
     exact = twist.Twisted(sphere, last.force[2], 0.0)
     assert -last.moment == pytest.approx(exact.limit, rel=0.02)
-    assert last.Radius(STICK) <= 0.2 * exact.hertz.contact_radius
+    assert sphere.Radius(last, STICK) <= 0.2 * exact.hertz.contact_radius
     # Where most of the contact slips tractions are friction times pressure around the axis.
     errors = traction_errors(sphere, states[-1], exacts[-1], 0.8)
     assert np.sqrt((errors**2).sum(axis=1).mean()) <= 0.06
@@ -137,7 +137,7 @@ def test_quarter_and_full_model():
         state = sphere.Move("angle", *twist.Angles(sphere, force, 1, 0.7))[-1]
         exact = twist.Twisted(sphere, state.force[2], 0.0)
         ratios.append(-state.moment / exact.limit)
-        sticks.append(state.Radius(STICK) / exact.hertz.contact_radius)
+        sticks.append(sphere.Radius(state, STICK) / exact.hertz.contact_radius)
     # The meshes have no symmetry, hence a small resultant, relative to friction times pressure.
     assert np.linalg.norm(state.force[:2]) <= 0.05 * sphere.friction * force
     assert ratios[0] == pytest.approx(ratios[1], rel=0.04)

@@ -83,6 +83,3 @@ def Run(wrap=180.0, friction: NotNegative = 0.3, thickness=0.01, h=0.03, out=Non
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -132,6 +132,3 @@ def Run(
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -35,11 +35,8 @@ def Roller(name, side, way, h):
     ends = [-(way + AROUND + SIDE), -(way + AROUND), AROUND, AROUND + SIDE]
     angles = [end / RADIUS for end in ends]
 
-    def At(radius):
-        def Point(angle):  # what comes in by rolling is at x < 0
-            return radius * math.sin(angle), side * (RADIUS - radius * math.cos(angle))
-
-        return Point
+    def At(radius):  # what comes in by rolling is at x < 0
+        return lambda angle: (radius * math.sin(angle), side * (RADIUS - radius * math.cos(angle)))
 
     outer, inner = At(RADIUS), At(RADIUS - DEPTH)
     sides = [
@@ -63,10 +60,8 @@ def Solve(share, h, way, start=1.0):
     a, gf = BilinearForm(X), GridFunction(X)
     a += Variation(NeoHooke(Id(2) + Grad(u), YOUNG, NU).Compile() * dx)
     contact = LACContact(u, lam, master="lower", finite=True, friction=FRICTION)
-    solver, creep = (
-        ContactSolver(a, gf, contact),
-        FRICTION / (RADIUS / 2) * (1 - math.sqrt(1 - share)),
-    )
+    solver = ContactSolver(a, gf, contact)
+    creep = FRICTION / (RADIUS / 2) * (1 - math.sqrt(1 - share))
     down, wound, rolled = Parameter(0), Parameter(0), Parameter(0)
 
     def Hub(side):
@@ -109,20 +104,11 @@ def Solve(share, h, way, start=1.0):
     closed = table["status"] > 0
     place, pressure = table["x"][closed, 0] / hertz.halfwidth, table["pressure"][closed]
     traction = -table["traction"][closed, 0] - pressure * table["normal"][closed, 0]
-    return (
-        {
-            "creep": creep,
-            "share": float(shares[late].mean()),
-            "share_exact": 1 - (1 - taken) ** 2,
-            "stick": StickWidth(place, table["status"][closed] == 1),
-            "halfwidth": hertz.halfwidth,
-        },
-        {
-            "path": (ways, shares, ".-"),
-            "profile": (place, traction / (FRICTION * hertz.peak), "."),
-        },
-        (gf.components[0], contact),
-    )
+    figures = {"creep": creep, "share": float(shares[late].mean())}
+    figures |= {"share_exact": 1 - (1 - taken) ** 2, "halfwidth": hertz.halfwidth}
+    figures["stick"] = StickWidth(place, table["status"][closed] == 1)
+    profile = place, traction / (FRICTION * hertz.peak), "."
+    return figures, (ways, shares, ".-"), profile, (gf.components[0], contact)
 
 
 def StickWidth(place, sticks):
@@ -153,25 +139,22 @@ def Run(shares=SHARES, h=0.125, way=4.0, start=1.0, out=None):
     """
     if max(shares) >= 1:
         raise ValueError(f"shares = {shares} must be less than 1: the rollers would slide")
-    found, curves, solutions = zip(*(Solve(share, h, way, start) for share in shares), strict=True)
-    paths, profiles, place = {}, {}, np.linspace(-1, 1, 400)
-    for each, curve in zip(found, curves, strict=True):
+    solved, place = [Solve(share, h, way, start) for share in shares], np.linspace(-1, 1, 400)
+    paths, profiles, found = {}, {}, [figures for figures, *_ in solved]
+    for each, path, profile, _ in solved:
         share, exact, stick = (each[name] for name in ("share", "share_exact", "stick"))
         print(f"creep {each['creep']:.5f}: Q/(mu P) {share:.4f}, Carter {exact:.4f};")
         print(f"sticks on {stick:.3f}, Carter {math.sqrt(1 - exact):.3f}")
         assert abs(share - exact) < h / 4  # half an edge over the width
         name = f"creep {each['creep']:.5f}"
-        paths |= {name: curve["path"], f"{name}, Carter": ([0, way], [exact] * 2, "k--")}
-        profiles |= {name: curve["profile"]}
-        profiles |= {f"{name}, Carter": (place, Traction(place, exact), "k-")}
-    Show(out, "carter", solutions[-1][0], Curves("way over half width", "Q / (mu P)", **paths),
+        paths |= {name: path, f"{name}, Carter": ([0, way], [exact] * 2, "k--")}
+        profiles |= {name: profile, f"{name}, Carter": (place, Traction(place, exact), "k-")}
+    moved, contact = solved[-1][-1]
+    Show(out, "carter", moved, Curves("way over half width", "Q / (mu P)", **paths),
          Curves("place over half width", "traction / (mu p0)", **profiles),
-         upper=solutions[-1][1])  # fmt: skip
+         upper=contact)  # fmt: skip
     figures = {name: [each[name] for each in found] for name in found[0]}
     return figures | {"halfwidth": found[0]["halfwidth"]}
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -115,6 +115,3 @@ def Run(
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

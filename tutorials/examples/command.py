@@ -18,8 +18,7 @@ from ngslac import ContactConvergenceError
 
 def Communicator():
     """That of the processes that mpiexec has started; None in a single one."""
-    sizes = (os.environ.get(name, "1") for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE"))
-    if not any(int(size) > 1 for size in sizes):
+    if not any(int(os.environ.get(name, 1)) > 1 for name in ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE")):
         return None
     from mpi4py import MPI
 
@@ -64,7 +63,7 @@ def Options(run):
     text = sys.modules[run.__module__].__doc__
     parser = argparse.ArgumentParser(description=text, formatter_class=Help)
     parser.add_argument("--out", metavar="DIR", type=Path, help="write pictures and files there")
-    parser.add_argument("--json", metavar="FILE", type=Path, help="write the numbers to this file")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the numbers to it")
     parser.add_argument("--quiet", action="store_true", help="print nothing")
     arguments = inspect.signature(run).parameters
     for name, about in re.findall(r"^ *(\w+) : (.+)", run.__doc__ or "", re.MULTILINE):
@@ -88,7 +87,7 @@ def Main(run):
 
     It writes and returns them, without the "solution", which tests look at. What failed when there
     were some numbers is the text "failure" among them, and the end of the script. Of several
-    processes one prints and writes.
+    processes one prints and writes. In a script it is called at once.
     """
 
     def main(arguments=None):
@@ -102,6 +101,8 @@ def Main(run):
                 stack.enter_context(redirect_stdout(nowhere))
             return _Start(run, parser, options.pop("json"), options)
 
+    if run.__module__ == "__main__":
+        main()
     return main
 
 
@@ -121,15 +122,10 @@ def _Start(run, parser, file, options):
     figures["seconds"] = time.perf_counter() - start
     if file and Speaks():
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(figures, indent=2, default=Plain) + "\n")
+        file.write_text(json.dumps(figures, indent=2, default=lambda array: array.tolist()) + "\n")
     if figures.get("failure"):
         raise Ended(figures["failure"])
     return figures
-
-
-def Plain(value):
-    """Numbers and arrays of numpy, for JSON."""
-    return value.tolist()
 
 
 def Ended(text):

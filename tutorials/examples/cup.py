@@ -136,6 +136,3 @@ def Run(h=0.1, depth=0.25, steps=38, friction: NotNegative = 0.1, force=3.0, out
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

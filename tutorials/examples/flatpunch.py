@@ -77,6 +77,3 @@ def Run(h=0.0625, friction: NotNegative = 0.0, depth=DEEP, steps=6, out=None):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

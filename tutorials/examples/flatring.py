@@ -121,6 +121,3 @@ def Run(
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

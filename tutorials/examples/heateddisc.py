@@ -93,6 +93,3 @@ def Run(heating=1e-3, h=6.0, clearance=1e-3, out=None):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

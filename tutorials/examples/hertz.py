@@ -172,6 +172,3 @@ def Run(
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -105,6 +105,3 @@ def Run(h=0.05, order: Literal[1, 2, 3] = 2, nu: NotNegative = 0.49, mixed=False
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

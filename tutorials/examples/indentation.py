@@ -136,7 +136,7 @@ def Onset(h=0.2, zone=5.0, size=40.0, radius=100.0, young=70e3, **options):
     block, and wide against the mesh.
     """
     options |= {"radius": radius, "young": young, "yield_stress": young}
-    elastic = Indenter(h=0.5 * h, zone=0.3 * zone, size=2.5 * size, **options)
+    elastic = Indenter(h=0.5 * h, zone=0.3 * zone, size=10 * size, **options)
     (row,) = elastic.Advance([1.5 * (0.3 * zone) ** 2 / radius])
     return row["peak_pressure"] / row["mises"]
 
@@ -220,7 +220,7 @@ def Run(h=0.2, depth=0.08, steps=16, yield_stress=35.0, hardening: NotNegative =
     print(f"peak pressure over yield stress at onset {onset:.4f}, Hertz {hertz:.4f}")
     print(f"mean pressure over yield stress {mean:.4f}, rigid plastic {PRANDTL:.4f}")
     print(f"depth left {figures['imprint_depth']:.5f} mm of {depth} mm")
-    assert abs(onset / hertz - 1) < 0.01 + 0.1 * h, (onset, hertz)
+    assert abs(onset / hertz - 1) < 0.1 * h, (onset, hertz)
     assert figures["balance"] < 1e-8, figures
     assert -1e-9 < figures["imprint_depth"] < depth
     Draw(cycle, out)
@@ -228,6 +228,3 @@ def Run(h=0.2, depth=0.08, steps=16, yield_stress=35.0, hardening: NotNegative =
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

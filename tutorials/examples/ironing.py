@@ -141,6 +141,3 @@ def Forces(figures):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -113,15 +113,9 @@ class TwistPoint(PartialSlip):
         The normal contact; gives P, a, p0 and the elastic constants.
     moment : float
         Moment M about the normal of the tangential tractions on the slave, |M| <= 3 pi F P a/16;
-        it balances the moment that is put on the slave body. M > 0 where tractions go around the
-        normal from x to y.
+        M > 0 where tractions go around the normal from x to y. Beyond, bodies would turn freely.
     friction : float
         Coefficient of friction F >= 0.
-
-    Raises
-    ------
-    ValueError
-        If the bodies would turn freely.
 
     Examples
     --------
@@ -139,25 +133,10 @@ class TwistPoint(PartialSlip):
 
     @classmethod
     def FromAngle(cls, *, hertz, angle, friction) -> "TwistPoint":
-        """State after the far parts of the bodies have been turned; else as in `TwistPoint`.
+        """State after the master has been turned by an angle, in radians, against the slave.
 
         Every finite angle has its state, in partial slip, but beyond about 5 F p0/G* the moment is
         the limit to rounding.
-
-        Parameters
-        ----------
-        angle : float
-            Of the master against the slave, in radians.
-
-        Returns
-        -------
-        TwistPoint
-
-        Examples
-        --------
-        >>> hertz = HertzPoint(force=100, radius1=50, young1=1e5, nu1=0.3, young2=1e5, nu2=0.3)
-        >>> print(f"{TwistPoint.FromAngle(hertz=hertz, angle=-1e-3, friction=0.2).moment:.4f}")
-        -3.8172
         """
         instance("hertz", hertz, HertzPoint)
         finite("angle", angle)
@@ -222,12 +201,8 @@ class TwistPoint(PartialSlip):
     def MeanTraction(self, vertices) -> float | np.ndarray:
         """Average of the traction over polygons, to about 1e-12, see `HertzPoint.MeanPressure`.
 
-        By Stokes' theorem the sum over discs becomes one integral for each edge.
-
-        Returns
-        -------
-        array of shape (..., 2)
-            Components along x and y (stress).
+        Components (..., 2) along x and y. By Stokes' theorem the sum over discs becomes one
+        integral for each edge.
         """
         edges = PolygonEdges.FromVertices(vertices)
         if self.moment == 0:
@@ -265,12 +240,7 @@ class TwistPoint(PartialSlip):
         return np.where(r <= a, slip, np.nan)[()]
 
     def Reverse(self, moment) -> "TwistReversal":
-        """State after the moment has gone back to `moment`, see `TwistReversal`.
-
-        Returns
-        -------
-        TwistReversal
-        """
+        """State after the moment has gone back to `moment`."""
         return TwistReversal(start=self, moment=moment)
 
 
@@ -280,13 +250,6 @@ class TwistReversal(Reversal):
 
     The state is found as in `MindlinReversal`. Sources: Deresiewicz, J. Appl. Mech. 21 (1954) 52;
     Jager, Arch. Appl. Mech. 65 (1995) 478.
-
-    Parameters
-    ----------
-    start : TwistPoint
-        The state at the point of reversal.
-    moment : float
-        Present moment M of the tangential tractions on the slave, -|M*| <= M <= |M*|.
 
     Examples
     --------

@@ -11,7 +11,9 @@ that pressing leaves (they are small, of the order contact radius over radius). 
 neglects nothing.
 """
 
+import re
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 from ngsolve import *
@@ -29,34 +31,14 @@ COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the wh
 FIRST = 0.01  # of the load that makes all slip: a first step, which tells the stiffness before slip
 
 
-@dataclass(frozen=True, kw_only=True)
-class State:
-    """A converged step. Arrays run over the macro-elements of the model.
-
-    `force` and `moment` (about the z axis) act on the slave, and are those of the whole contact;
-    `motion` has the approach, shift and angle of the top.
-    """
-
-    motion: dict
-    force: np.ndarray
-    moment: float
-    iterations: int
-    copies: int  # of the model in the whole
-    area: np.ndarray
-    pressure: np.ndarray
-    status: np.ndarray
-    traction: np.ndarray  # (n, 2), tangential, in the plane
-    slip: np.ndarray  # (n, 2), of the last step
-
-    def Radius(self, *status):
-        """Radius of a disc with the area of all macro-elements of these statuses."""
-        area = self.copies * self.area[np.isin(self.status, status)].sum()
-        return float(np.sqrt(area / np.pi))
-
-
 @dataclass(kw_only=True)
 class Sphere:
-    """The discrete problem, at rest, in mm and MPa; `states` are all converged steps."""
+    """The discrete problem, at rest, in mm and MPa; `states` are all converged steps.
+
+    Their arrays run over the macro-elements of the model, with `traction` (tangential) and `slip`
+    (of the step) in the plane. `force` and `moment` (about the z axis) act on the slave and are
+    those of the whole contact; `motion` has the approach, shift and angle of the top.
+    """
 
     model: str  # "quarter" for twists, "half" (y >= 0) for shifts along x, "full"
     elements: float  # edges along the contact radius
@@ -112,14 +94,11 @@ class Sphere:
 
     def _Displacements(self, odd=False):
         """The displacement space; with `odd` the symmetry planes are those of a twist."""
-        names, held = set(self.mesh.GetBoundaries()), "top|bottom"
-        planes = ["sym_x", "sym_y", ""]
-        if odd:
-            planes = ["sym_y", "sym_x", "sym_x|sym_y"]
-        fixed = {
-            f"dirichlet{axis}": "|".join([held, *(p for p in plane.split("|") if p in names)])
-            for axis, plane in zip("xyz", planes, strict=True)
-        }
+        planes = ("sym_y", "sym_x", "sym_.*") if odd else ("sym_x", "sym_y", "none")
+        names, fixed = self.mesh.GetBoundaries(), {}
+        for axis, plane in zip("xyz", planes, strict=True):
+            here = {name for name in names if re.fullmatch(plane, name)}
+            fixed[f"dirichlet{axis}"] = "|".join(["top", "bottom", *sorted(here)])
         if self.stabilize == "bubble":
             return BubbleVectorH1(self.mesh, slave="slave", order=self.order, **fixed)
         return VectorH1(self.mesh, order=self.order, **fixed)
@@ -156,17 +135,21 @@ class Sphere:
     def _Note(self, step):
         table, copies = self.contact.Table(), COPIES[self.model]
         tangential = table["traction"] + table["pressure"][:, None] * table["normal"]
-        state = State(
+        state = SimpleNamespace(
             motion={name: load.Get() for name, load in self.motion.items()},
             force=copies * np.asarray(self.contact.Force()),
             moment=copies * float(self.contact.Moment((0, 0, 0))[2]),
             iterations=step.iterations,
-            copies=copies,
             traction=tangential[:, :2].copy(),
             slip=table["slip"][:, :2].copy(),
             **{name: table[name].copy() for name in ("area", "pressure", "status")},
         )
         self.states.append(state)
+
+    def Radius(self, state, *status):
+        """Radius of a disc with the area of all macro-elements of these statuses."""
+        area = COPIES[self.model] * state.area[np.isin(state.status, status)].sum()
+        return float(np.sqrt(area / np.pi))
 
     @property
     def moved(self):
@@ -204,10 +187,10 @@ class Sphere:
         """Stick zone and tractions of a step against the exact solution; `Exact`: of a fit."""
         a = self.Hertz(state.force[2]).contact_radius
         return {
-            "stick_ratio": state.Radius(STICK) / a,
+            "stick_ratio": self.Radius(state, STICK) / a,
             "stick_ratio_fit": self.FittedRatio(state, Exact) if Exact else None,
             "stick_ratio_exact": exact.ratio,
-            "contact_ratio": state.Radius(STICK, SLIP) / a,
+            "contact_ratio": self.Radius(state, STICK, SLIP) / a,
             "traction_misfit": self.Misfit(state, exact),
             "open": int(np.sum(state.status == OPEN)),
             "stick": int(np.sum(state.status == STICK)),

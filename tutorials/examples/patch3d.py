@@ -160,7 +160,3 @@ def Run(friction: NotNegative = 0.0, cases=None, out=None):
 
 
 main = Main(Run)
-
-
-if __name__ == "__main__":
-    main()

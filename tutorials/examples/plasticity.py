@@ -58,21 +58,17 @@ def _LogStrain3D(C):
 class J2Plasticity:
     """Von Mises plasticity with isotropic hardening at small strains.
 
-    The yield stress is ``yield_stress + hardening * a + saturation * (1 - exp(-rate * a))`` (linear
-    plus Voce) with the accumulated plastic strain a. A step is implicit in time: radial return.
-    Written as a minimisation over the plastic increment (Ortiz, Stainier 1999) it has the energy
-    density `Energy`; its first variation is the stress at the end of the step, the second one the
-    consistent tangent, both by NGSolve's ``Variation``. The increment is found by Newton's method
-    on the scalar return equation, which is monotone from below; for linear hardening one step is
-    exact.
+    The yield stress is ``yield_stress + hardening * a`` with the accumulated plastic strain a. A
+    step is implicit in time: radial return. Written as a minimisation over the plastic increment
+    (Ortiz, Stainier 1999) it has the energy density `Energy`; its first variation is the stress at
+    the end of the step, the second one the consistent tangent, both by NGSolve's ``Variation``.
 
     The state (plastic strain and a) lives on the quadrature points and changes in `Commit` only: a
     step that fails leaves nothing behind.
 
-    Stresses are in one unit, ``yield_stress`` is that in tension, the constants of hardening are
-    not negative; what is out of range is a ValueError. The quadrature rules `rules`, by which to
-    integrate the energy, are exact for polynomials of twice the `order`: 1 suits displacements of
-    order 2 on triangles. `accumulated` is the committed a, a GridFunction on the points.
+    Stresses are in one unit, ``yield_stress`` is that in tension. The quadrature rules `rules`, by
+    which to integrate the energy, are exact for polynomials of twice the `order`: 1 suits
+    displacements of order 2 on triangles. `accumulated` is the committed a, a GridFunction.
 
     Examples
     --------
@@ -81,35 +77,22 @@ class J2Plasticity:
     >>> steps = LoadStepper(solver, load).Integrate(callback=lambda step: material.Commit(strain))
     """
 
-    def __init__(
-        self, mesh, *, young, poisson, yield_stress, hardening=0, saturation=0, rate=0, order=1
-    ):
+    def __init__(self, mesh, *, young, poisson, yield_stress, hardening=0, order=1):
         if not (young > 0 and -1 < poisson < 0.5 and yield_stress > 0):
             raise ValueError(
                 f"young = {young} and yield_stress = {yield_stress} must be positive, "
                 f"poisson = {poisson} between -1 and 0.5"
             )
-        if min(hardening, saturation, rate) < 0:
-            raise ValueError("hardening, saturation and rate must not be negative")
+        if hardening < 0:
+            raise ValueError("hardening must not be negative")
         self.shear, self.bulk = young / (2 * (1 + poisson)), young / (3 * (1 - 2 * poisson))
         self.yield_stress, self.hardening = yield_stress, hardening
-        self.saturation, self.rate = saturation, rate
-        points = IntegrationRuleSpace(mesh, order=order)
+        self.points = points = IntegrationRuleSpace(mesh, order=order)
         self.rules = points.GetIntegrationRules()
-        self.points = points
         self._entries = _ENTRIES[:4] if mesh.dim == 2 else _ENTRIES
         self.state = GridFunction(points ** (len(self._entries) + 1))
         self._next = GridFunction(self.state.space)
         self.accumulated = self.state.components[-1]
-
-    def YieldStress(self, a):
-        """Yield stress at the accumulated plastic strain `a`."""
-        voce = self.saturation * (1 - exp(-self.rate * a)) if self._isvoce else 0
-        return self.yield_stress + self.hardening * a + voce
-
-    @property
-    def _isvoce(self):
-        return self.saturation > 0 and self.rate > 0
 
     @property
     def plastic(self):
@@ -129,17 +112,9 @@ class J2Plasticity:
     def _Increment(self, length):
         """Increment of a from the length of the deviatoric trial strain."""
         # 3 G b + Y(a + b) = sqrt(3/2) 2 G length, where that is more than Y(a).
-        trial = math.sqrt(6) * self.shear * length
-        a = self.accumulated
-        increment = CF(0)
-        for _ in range(6 if self._isvoce else 1):
-            excess = trial - 3 * self.shear * increment - self.YieldStress(a + increment)
-            slope = 3 * self.shear + self.hardening
-            if self._isvoce:
-                voce = self.saturation * self.rate
-                slope += voce * exp(-self.rate * (a + increment))
-            increment = increment + excess / slope
-        return IfPos(trial - self.YieldStress(a), increment, 0)
+        now = self.yield_stress + self.hardening * self.accumulated
+        excess = math.sqrt(6) * self.shear * length - now
+        return IfPos(excess, excess / (3 * self.shear + self.hardening), 0)
 
     def Energy(self, strain):
         """Incremental energy density of a strain (3, 3), from the committed state on.
@@ -152,9 +127,6 @@ class J2Plasticity:
         elastic = length - math.sqrt(1.5) * b
         energy = self.bulk / 2 * Trace(strain) ** 2 + self.shear * elastic**2
         energy += (self.yield_stress + self.hardening * (a + b / 2)) * b
-        if self._isvoce:
-            decay = (exp(-self.rate * (a + b)) - exp(-self.rate * a)) / self.rate
-            energy += self.saturation * (b + decay)
         return energy.Compile()
 
     def Stress(self, strain):

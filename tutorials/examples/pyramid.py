@@ -92,6 +92,3 @@ def Run(h=0.25, out=None):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -73,6 +73,3 @@ def Run(h=0.167, steps=16, friction: NotNegative = 0.1, out=None):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -80,6 +80,3 @@ def Run(
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

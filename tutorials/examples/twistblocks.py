@@ -122,6 +122,3 @@ def Run(n=3, order: Literal[2, 3] = 2, friction: NotNegative = 0.3, angle=180.0,
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()

@@ -96,6 +96,3 @@ def Run(n=4, friction: NotNegative = 0.2, depth=3.0, steps=10, out=None):
 
 
 main = Main(Run)
-
-if __name__ == "__main__":
-    main()
