@@ -21,10 +21,8 @@ RADIUS, OUTER, POISSON = 50.0, 100.0, 0.3  # of the disc; of the ring
 def DiscInRing(h, clearance):
     """A quarter of a disc of radius 50 inside of a ring, with a clearance.
 
-    Bodies (materials): "disc", "ring". Boundaries: "slave" (the disc's rim), "master" (the ring's
-    inner side), "outer", "symx" (x = 0), "symy" (y = 0).
-
-    The slave edges have the length `h`, the ring's are 0.73 times as long; the clearance is radial.
+    Boundaries: "slave" (the disc's rim, edges of length h), "master" (the ring's inner side, 0.73
+    times as long), "outer", "symx" (x = 0), "symy" (y = 0). The clearance is radial.
     """
     r, inner, length = RADIUS, RADIUS + clearance, pi / 2 * RADIUS
     count = geometry.Divisions(length, h)
@@ -50,11 +48,7 @@ def DiscInRing(h, clearance):
 
 
 def LamePressure(heating, clearance):
-    """Over E, of a disc in a cold ring; 0 while there is a gap.
-
-    The disc's free expansion less the clearance is shared by the compression of the disc and the
-    widening of the ring; `heating` is the thermal expansion coefficient times the temperature rise.
-    """
+    """Over E: compression of the disc and widening of the ring share its expansion less the gap."""
     ratio, wide = (OUTER / RADIUS) ** 2, 1 + POISSON
     disc, ring = wide * (1 - 2 * POISSON), wide * ((1 - 2 * POISSON) + ratio) / (ratio - 1)
     return max(0.0, (wide * heating - clearance / RADIUS) / (disc + ring))

@@ -90,11 +90,11 @@ def Run(h=0.05, order: Literal[1, 2, 3] = 2, nu: NotNegative = 0.49, mixed=False
     # Large strains make it stiffer; the edge of the contact lies between macro-elements.
     assert 0.9 < force[-1] / hertz[-1] < 1.2 + depth, (force, hertz)
 
-    table = contact.Table()
-    x, closed = table["x"][:, 0], table["status"] > 0
-    ends = x[closed].max(initial=0.0), x[~closed].min(initial=RADIUS)
-    curves = {"computed": (approach, force, ".-"), "Hertz": (approach, hertz, "k--")}
-    pressures = {"macro-elements": (x, table["pressure"], ".")}
+    table, curves = contact.Table(), {"computed": (approach, force, ".-")}
+    curves["Hertz"] = approach, hertz, "k--"
+    place, closed = table["x"][:, 0], table["status"] > 0
+    ends = place[closed].max(initial=0.0), place[~closed].min(initial=RADIUS)
+    pressures = {"macro-elements": (place, table["pressure"], ".")}
     Show(out, "hertz_large", moved, Bodies(moved),
          Curves("approach of the middle to a plate [mm]", "force [N/mm]", **curves),
          Curves("place [mm]", "pressure [MPa]", **pressures), arc=contact)  # fmt: skip

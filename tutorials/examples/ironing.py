@@ -132,8 +132,8 @@ def Forces(figures):
     curves, time = {}, figures["time"]
     for name, (vertical, horizontal) in PUBLISHED.items():
         curves |= {
-            f"{name}, down": (TIMES, vertical, "o"),
-            f"{name}, right": (TIMES, horizontal, "s"),
+            name: (TIMES, vertical, "o"),
+            f"_{name}": (TIMES, horizontal, "s"),
         }
     for name, style in (("vertical_force", "k-"), ("horizontal_force", "k--")):
         curves[name] = time, figures[name], style

@@ -2,7 +2,7 @@
 
 import numpy as np
 from command import Speaks
-from ngsolve import CF, VOL, GridFunction, IntegrationRule, x, y
+from ngsolve import CF, VOL, IntegrationRule, x, y
 
 
 def Show(folder, name, displacement, *panels, **contacts):
@@ -29,9 +29,9 @@ def Curves(xlabel, ylabel, xscale="linear", yscale="linear", **curves):
 
     def Draw(axes):
         for label, (*points, style) in curves.items():
-            axes.plot(*points, style, ms=4, lw=1, label=label.replace("_", " "))
+            axes.plot(*points, style, ms=4, lw=1, label=label[0] + label[1:].replace("_", " "))
         axes.set(xlabel=xlabel, ylabel=ylabel, xscale=xscale, yscale=yscale)
-        axes.legend()
+        axes.legend(fontsize="small")
 
     return Draw
 
@@ -60,32 +60,20 @@ def Smooth(mesh, functions, parts=3):
     return CF((x, y))(places), faces, [np.asarray(f(places)) for f in functions]
 
 
-def Bodies(
-    displacement, field=None, label="", *, factor=1, window=None, mirrored=False, values=None
-):
-    """A panel: deformed triangles, or a field on them, in a window (left, right, low, high).
-
-    The displacement is of the present, or has the vector `values`.
-    """
-    moves = GridFunction(displacement.space)
-    moves.vec.data = displacement.vec if values is None else values
+def Bodies(displacement, field=None, label="", *, factor=1, window=None, mirrored=False):
+    """A panel: deformed triangles, or a field on them, in a window (left, right, low, high)."""
 
     def Draw(axes):
-        fields = (moves,) if field is None else (moves, field)
+        fields = (displacement,) if field is None else (displacement, field)
         parts = 1 if field is None else 3
         points, faces, (moved, *values) = Smooth(displacement.space.mesh, fields, parts)
-        left, low = (points + factor * moved).T
+        left, low = place = (points + factor * moved).T
         axes.set(aspect="equal", title=f"displacement x {factor}" if factor != 1 else None)
         if window:
             axes.set(xlim=window[:2], ylim=window[2:])
-            (a, b, c, d), size = window, window[1] - window[0]
-            near = (
-                (left > a - size / 4)
-                & (left < b + size / 4)
-                & (low > c - size / 4)
-                & (low < d + size / 4)
-            )
-            faces = faces[near[faces].all(axis=1)]
+            ends = np.reshape(window, (2, 2))
+            far = np.abs(place.T - ends.mean(axis=1)) > 0.75 * np.ptp(ends, axis=1)
+            faces = faces[~far[faces].any(axis=(1, 2))]
         for sign in (-1, 1) if mirrored else (1,):
             if field is None:
                 axes.triplot(sign * left, low, faces, lw=0.3, color="k")

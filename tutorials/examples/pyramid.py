@@ -31,14 +31,13 @@ def Pyramid():
     side = math.tan(FLANK)
     a, b, c, d = rim = [(side, side, 1), (-side, side, 1), (-side, -side, 1), (side, -side, 1)]
     facets = [((0, 0, 0), rim[(k + 1) % 4], rim[k]) for k in range(4)] + [(a, b, c), (a, c, d)]
-    lines = ["solid pyramid"]
+    text = "solid pyramid\n"
     for facet in facets:
-        lines += ["facet normal 0 0 0", "outer loop"]
-        lines += ["vertex {:.12e} {:.12e} {:.12e}".format(*point) for point in facet]
-        lines += ["endloop", "endfacet"]
+        corners = "".join("vertex {:.12e} {:.12e} {:.12e}\n".format(*corner) for corner in facet)
+        text += f"facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n"
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "pyramid.stl"
-        file.write_text("\n".join([*lines, "endsolid pyramid", ""]))
+        file.write_text(f"{text}endsolid pyramid\n")
         return FromSTL(file)
 
 
@@ -78,14 +77,13 @@ def Run(h=0.25, out=None):
     contacts = {name: Press(mesh, tool) for name, tool in tools.items()}
     forces = [-4 * contact.Force()[2] / FORCE for contact in contacts.values()]
     inside, pyramid, around = forces[0], forces[1] / forces[0], forces[2] / math.sqrt(2)
-    print(f"force of the cone over Sneddon's {inside:.4f}, of the cone around the pyramid")
+    print(f"force over Sneddon's of the cone inside of the pyramid {inside:.4f}, of that around it")
     print(f"{around:.4f}; of the pyramid over that of the cone inside of it {pyramid:.4f}")
     assert abs(inside - 1) < 0.05
     assert forces == sorted(forces)
 
     panels, window = [], {"xlim": (0, 1.6), "ylim": (0, 1.6)}
-    for name, contact in contacts.items():
-        table = contact.Table()
+    for name, table in ((name, contact.Table()) for name, contact in contacts.items()):
         panels.append(Map(table["x"][:, :2], table["pressure"], f"pressure, {name}", **window))
     Show(out, "pyramid", None, *panels, top=contacts["pyramid"])
     return {"cone_ratio": inside, "outer_cone_ratio": around, "pyramid_ratio": pyramid}

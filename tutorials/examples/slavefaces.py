@@ -4,8 +4,6 @@ Multipliers are means over macro-elements. So a formula has to be averaged, too,
 compared: exactly over each face, and then over the faces of each macro-element.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
