@@ -157,8 +157,7 @@ HELP = [
     ("hertz3d", 0.3125, "--h 0; --shape cube; --friction -1"),
     ("cattaneo3d", 0.3, "--model quarter: 'half', 'full'; --shear 1: would slide; "
      "--reverse -1: reverse = -1; --elements 0"),
-    ("twist", 0.3, "--model half: 'quarter', 'full'; --stabilize split: 'none', 'bubble'; "
-     "--angle -1; --friction 0"),
+    ("twist", 0.3, "--model half: 'quarter', 'full'; --angle -1; --friction 0"),
     ("patch3d", 0.0, "--friction -1"),
     ("ironing", 80, "--steps 1: steps = 1; --order 1; --h -1.0; --stroke 11.0: stroke = 11"),
     ("hertz_large", 0.3, "--steps 0; --order 4; --nu 0.5: nu; --depth 0.8: depth = 0.8; --h 0"),

@@ -61,7 +61,7 @@ def test_rubber_keeps_its_volume_and_converges_quadratically():
     assert residuals[-1] < 1e-10
     fast = [b for a, b in pairwise(residuals) if a < 0.1]
     assert any(b < 1e-2 * a for a, b in pairwise(fast))
-    assert figures["iterations"][-1] <= 7
+    assert len(residuals) - 1 <= 7
 
 
 def test_pressure_in_the_rubber_meets_the_contact():

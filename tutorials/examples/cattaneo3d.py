@@ -35,26 +35,13 @@ def Shifted(sphere, force, shift):
     return CattaneoMindlinPoint.FromShift(shift=shift, **start)
 
 
-def Path(sphere, force, steps, shear, reverse):
-    """Solutions to aim at: up to the largest shear, and back to half the opposite force."""
-    limit = sphere.friction * force
-    top = Partial(sphere, force, -shear * limit)
-    up = [Shifted(sphere, force, k / steps * top.shift) for k in range(1, steps + 1)]
-    back = [top.Reverse(top.shear * (1 - 1.5 * k / reverse)) for k in range(1, reverse + 1)]
-    return [Partial(sphere, force, -FIRST * limit), *up, *back]
-
-
-def Run(
-    model: Literal["half", "full"] = "half", elements=4.0, order: Literal[1, 2, 3] = 2,
-    stabilize: Literal["none", "bubble"] = "bubble", friction: Positive = 0.3,
-    nu: NotNegative = 0.3, steps=5, shear=0.95, reverse: int = 2, smooth=False, press=2, out=None
-):  # fmt: skip
+def Run(model: Literal["half", "full"] = "half", elements=4.0, friction: Positive = 0.3,
+        nu: NotNegative = 0.3, steps=5, shear=0.95, reverse: int = 2, smooth=False, press=2,
+        out=None):  # fmt: skip
     """Press and push.
 
     model : part that is computed
     elements : element edges along the contact radius
-    order : order of the displacement
-    stabilize : how macro-elements are made
     friction : coefficient of friction
     nu : Poisson's ratio
     steps : steps of the tangential load
@@ -66,19 +53,22 @@ def Run(
         raise ValueError(f"shear = {shear} must be less than 1: the sphere would slide")
     if reverse < 0:
         raise ValueError(f"reverse = {reverse} must not be less than 0")
-    sphere = Sphere(model=model, elements=elements, order=order, stabilize=stabilize,
-                    friction=friction, nu=nu, smooth=smooth, press=press)  # fmt: skip
+    sphere = Sphere(model=model, elements=elements, friction=friction, nu=nu, smooth=smooth,
+                    press=press)  # fmt: skip
     pressed, compliance = sphere.Press(), BulkCompliance(sphere)
-    path = Path(sphere, pressed.force[2], steps, shear, reverse)
+    normal, limit = pressed.force[2], friction * pressed.force[2]
+    top = Partial(sphere, normal, -shear * limit)
+    path = [Partial(sphere, normal, -FIRST * limit)]
+    path += [Shifted(sphere, normal, k / steps * top.shift) for k in range(1, steps + 1)]
+    path += [top.Reverse(top.shear * (1 - 1.5 * k / reverse)) for k in range(1, reverse + 1)]
     first = sphere.Move("shift", *(-exact.shift - compliance * exact.shear for exact in path))[0]
     exact, rows = [], []
     for number, state in enumerate(sphere.moved):
         loading, (along, _, force) = number < steps, state.force
         exact.append(Partial(sphere, force, along) if loading else exact[steps - 1].Reverse(along))
-        hertz, limit = sphere.Hertz(force), sphere.friction * force
+        hertz, limit = sphere.Hertz(force), friction * force
         half_spaces = state.motion["shift"] + compliance * along
         wanted = Shifted(sphere, force, -half_spaces).shear if loading else None
-        across = np.abs(state.traction[:, 1]).max()
 
         def Part(part, force=force, limit=limit):
             return Partial(sphere, force, -part * limit)
@@ -89,14 +79,14 @@ def Run(
             "shift_exact": -exact[-1].shift,
             "shear": -along / limit,
             "shear_exact": -wanted / limit if loading else None,
-            "lateral": across / (sphere.friction * hertz.peak),
+            "lateral": np.abs(state.traction[:, 1]).max() / (friction * hertz.peak),
         }
         rows.append(row | sphere.Row(state, exact[-1], Part if loading else None))
     # Force over displacement before slip, relative to that of half-spaces that stick.
     force, a = pressed.force[0] - first.force[0], sphere.Hertz(first.force[2]).contact_radius
     stiffness = force / (first.motion["shift"] - compliance * force)
     normal = sphere.moved[0].force[2]
-    slides = abs(Partial(sphere, normal, sphere.friction * normal).shift)
+    slides = abs(Partial(sphere, normal, friction * normal).shift)
     figures = {
         "stiffness_ratio": stiffness * (2 - sphere.nu) / (4 * sphere.shear_modulus * a),
         "force_error": max(abs(r["shear"] / r["shear_exact"] - 1) for r in rows[:steps]),

@@ -55,8 +55,7 @@ def Run(h=0.0625, friction: NotNegative = 0.0, depth=DEEP, steps=6, out=None):
     contact = LACContact(u, lam, obstacle=punch, finite=True, friction=friction or None)
     stepper = LoadStepper(ContactSolver(a, gf, contact), down)
     moved = gf.components[0]
-    strain = PlaneStrain(Grad(moved))
-    flags = {"printing": False, "callback": lambda _: material.Commit(strain)}
+    flags = {"printing": False, "callback": lambda _: material.Commit(PlaneStrain(Grad(moved)))}
     stepper.Integrate(depth, steps=steps, **flags)
 
     mean = -stepper.Table()["force"][:, 0, 1]

@@ -7,9 +7,7 @@ those of Hertz (K. L. Johnson, Contact Mechanics, 1985, section 5.6). Start it w
     python tutorials/examples/hertz_large.py --out results
 
 The force at the end is 0.6282 N/mm on fine meshes, of which Hertz' theory has 0.4940. Rubber that
-hardly changes its volume needs the hydrostatic pressure as another unknown::
-
-    python tutorials/examples/hertz_large.py --nu 0.4999 --mixed --h 0.08 --depth 0.25 --steps 5
+hardly changes its volume needs its pressure as another unknown: ``--mixed --nu 0.4999``.
 """
 
 from types import SimpleNamespace
@@ -17,30 +15,23 @@ from typing import Literal
 
 import numpy as np
 from command import Main, NotNegative
+from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import *
 from pictures import Bodies, Curves, Show
 from scipy.optimize import brentq
 
 from ngslac import *
 from ngslac.materials import NeoHooke
-from ngslac.meshes import geometry
 from ngslac.tools import Plane
 
-RADIUS, YOUNG = 1.0, 1.0  # mm, MPa
-REACH = np.radians(70)  # of the arc that may touch
+RADIUS, YOUNG, REACH = 1.0, 1.0, 70  # mm, MPa; degrees of the arc that may touch
 
 
 def CylinderMesh(h, order=3):
     """A quarter, x >= 0, 0 <= y <= 1: "slave" (an arc), "free", "sym" (x = 0), "middle" (y = 1)."""
-    count, point = geometry.Divisions(REACH * RADIUS, h), geometry.Touching(RADIUS)
-    sides = [
-        geometry.Arc(point, 0, REACH, "slave", count),
-        geometry.Arc(point, REACH, np.pi / 2, "free"),
-        geometry.Line(point(np.pi / 2), (0, RADIUS), "middle"),
-        geometry.Line((0, RADIUS), point(0), "sym"),
-    ]
-    bodies = [geometry.Body(sides, "cylinder")]
-    return geometry.GenerateMesh(bodies, order=order, maxh=0.2, grading=0.3)
+    plane = WorkPlane().Arc(RADIUS, REACH, "slave", h).Arc(RADIUS, 90 - REACH, "free").Rotate(90)
+    quarter = plane.Line(RADIUS, "middle").Rotate(90).Line(RADIUS, "sym").Face()
+    return Mesh(OCCGeometry(quarter, dim=2).GenerateMesh(maxh=0.2, grading=0.3)).Curve(order)
 
 
 def Approach(force, nu):
@@ -50,7 +41,7 @@ def Approach(force, nu):
 
 
 def HertzForce(approach, nu):
-    """Hertz' force for an approach."""
+    """The inverse of `Approach`."""
     return brentq(lambda p: Approach(p, nu) - approach, 1e-15, YOUNG * RADIUS, xtol=1e-15)
 
 
@@ -78,8 +69,8 @@ def Run(h=0.05, order: Literal[1, 2, 3] = 2, nu: NotNegative = 0.49, mixed=False
     a += Variation(energy.Compile() * dx)
     moved, plate = gf.components[0], Plane((0, 0), (0, 1))
     contact = LACContact(u, lam, obstacle=plate, friction=friction or None, finite=True)
-    solver = ContactSolver(a, gf, contact)
-    stepper = LoadStepper(solver, load, prescribe={"middle": CF((0, -depth * load))})
+    solver, down = ContactSolver(a, gf, contact), {"middle": CF((0, -depth * load))}
+    stepper = LoadStepper(solver, load, prescribe=down)
     whole = 2 * NeoHooke(Id(2) + Grad(moved), YOUNG, nu) * dx  # of the half that a plate sees
     flags = {"printing": False, "callback": lambda _: stored.append(Integrate(whole, mesh))}
     stepper.Integrate(steps=steps, **flags)
@@ -90,17 +81,15 @@ def Run(h=0.05, order: Literal[1, 2, 3] = 2, nu: NotNegative = 0.49, mixed=False
     # Large strains make it stiffer; the edge of the contact lies between macro-elements.
     assert 0.9 < force[-1] / hertz[-1] < 1.2 + depth, (force, hertz)
 
-    table, curves = contact.Table(), {"computed": (approach, force, ".-")}
-    curves["Hertz"] = approach, hertz, "k--"
+    table = contact.Table()
+    curves = {"computed": (approach, force, ".-"), "Hertz": (approach, hertz, "k--")}
     place, closed = table["x"][:, 0], table["status"] > 0
     ends = place[closed].max(initial=0.0), place[~closed].min(initial=RADIUS)
-    pressures = {"macro-elements": (place, table["pressure"], ".")}
     Show(out, "hertz_large", moved, Bodies(moved),
          Curves("approach of the middle to a plate [mm]", "force [N/mm]", **curves),
-         Curves("place [mm]", "pressure [MPa]", **pressures), arc=contact)  # fmt: skip
+         lambda axes: contact.Plot(axes=axes), arc=contact)  # fmt: skip
     figures = {"approach": approach, "force": force, "hertz": hertz, "energy": np.array(stored)}
-    figures |= {name: stepper.Table()[name] for name in ("iterations", "cuts")}
-    figures["halfwidth"] = sum(ends) / 2
+    figures |= {"halfwidth": sum(ends) / 2, "cuts": stepper.Table()["cuts"]}
     return figures | {"solution": SimpleNamespace(gf=gf, contact=contact, solver=solver)}
 
 

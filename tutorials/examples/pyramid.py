@@ -1,9 +1,8 @@
 """A square pyramid from an STL file is pressed into an elastic half-space, and cones beside it.
 
 A quarter of a large block stands for the half-space. The pyramid is that of a hardness test, but
-blunt, as the theory of half-spaces asks for. A cone with the angle beta between axis and flank
-needs the force (2/pi) E* depth^2 tan(beta) (Sneddon 1965); the pyramid lies between the cone inside
-of it and the one around it, and so does its force. Start it with::
+blunt, as the theory of half-spaces asks for. A cone with the angle beta from the axis needs the
+force (2/pi) E* depth^2 tan(beta) (Sneddon 1965); the pyramid lies between two. Start it with::
 
     python tutorials/examples/pyramid.py --out results
 """
@@ -72,8 +71,8 @@ def Run(h=0.25, out=None):
     h : edge length in the contact zone
     """
     mesh, flat = QuarterBlock(h), math.atan(math.sqrt(2) * math.tan(FLANK))
-    tools = {"cone inside": Cone((0, 0, 0), (0, 0, 1), FLANK), "pyramid": Pyramid()}
-    tools["cone around"] = Cone((0, 0, 0), (0, 0, 1), flat)
+    inner, outer = (Cone((0, 0, 0), (0, 0, 1), angle) for angle in (FLANK, flat))
+    tools = {"cone inside": inner, "pyramid": Pyramid(), "cone around": outer}
     contacts = {name: Press(mesh, tool) for name, tool in tools.items()}
     forces = [-4 * contact.Force()[2] / FORCE for contact in contacts.values()]
     inside, pyramid, around = forces[0], forces[1] / forces[0], forces[2] / math.sqrt(2)
@@ -83,8 +82,9 @@ def Run(h=0.25, out=None):
     assert forces == sorted(forces)
 
     panels, window = [], {"xlim": (0, 1.6), "ylim": (0, 1.6)}
-    for name, table in ((name, contact.Table()) for name, contact in contacts.items()):
-        panels.append(Map(table["x"][:, :2], table["pressure"], f"pressure, {name}", **window))
+    for name, contact in contacts.items():
+        places, pressure = contact.Table()["x"][:, :2], contact.Table()["pressure"]
+        panels.append(Map(places, pressure, f"pressure, {name}", **window))
     Show(out, "pyramid", None, *panels, top=contacts["pyramid"])
     return {"cone_ratio": inside, "outer_cone_ratio": around, "pyramid_ratio": pyramid}
 

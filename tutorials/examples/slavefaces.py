@@ -1,7 +1,6 @@
 """The slave faces of a contact in 3D seen from above: to compare multipliers with formulas.
 
-Multipliers are means over macro-elements. So a formula has to be averaged, too, before they can be
-compared: exactly over each face, and then over the faces of each macro-element.
+Multipliers are means over macro-elements. So a formula is averaged, too, before they are compared.
 """
 
 from dataclasses import dataclass

@@ -30,25 +30,20 @@ def Angles(sphere, force, steps, angle):
     return unit * np.array([FIRST, *angle * np.arange(1, steps + 1) / steps])
 
 
-def Run(
-    model: Literal["quarter", "full"] = "quarter", elements=6.0, order: Literal[1, 2, 3] = 2,
-    stabilize: Literal["none", "bubble"] = "bubble", friction: Positive = 0.3,
-    nu: NotNegative = 0.3, steps=5, angle=1.5, smooth=False, press=2, out=None
-):  # fmt: skip
+def Run(model: Literal["quarter", "full"] = "quarter", elements=6.0, friction: Positive = 0.3,
+        nu: NotNegative = 0.3, steps=5, angle=1.5, smooth=False, press=2, out=None):  # fmt: skip
     """Press and turn.
 
     model : part that is computed
     elements : element edges along the contact radius
-    order : order of the displacement
-    stabilize : how macro-elements are made
     friction : coefficient of friction
     nu : Poisson's ratio
     steps : steps of the tangential load
     angle : largest angle
     smooth : no friction while pressing
     """
-    sphere = Sphere(model=model, elements=elements, order=order, stabilize=stabilize,
-                    friction=friction, nu=nu, smooth=smooth, press=press)  # fmt: skip
+    sphere = Sphere(model=model, elements=elements, friction=friction, nu=nu, smooth=smooth,
+                    press=press)  # fmt: skip
     pressed = sphere.Press()
     first = sphere.Move("angle", *Angles(sphere, pressed.force[2], steps, angle))[0]
     exact, rows = [], []

@@ -1,13 +1,11 @@
 """A cylinder is upset between dies, smooth or rough: large plastic strains in 3D.
 
 An eighth of a billet of radius 10 mm and length 30 mm (E = 200 GPa, nu = 0.3, yield stress 700 MPa,
-hardening 300 MPa). The die is a plane on a path. Start it with::
+hardening 300 MPa). The die is a plane on a path. Between smooth dies the billet stays a cylinder,
+and its force follows from the law alone. Friction needs a larger one, and the billet bulges. (Dies
+that come nearer by a third or more fold the side over the rim.) Start it with::
 
     python tutorials/examples/upsetting.py --out results
-
-Between smooth dies the billet stays a cylinder, and its force follows from the law alone. Friction
-needs a larger one, and the billet bulges. (Dies that come nearer by a third or more fold the side
-over the rim; for that the mesh is too coarse there.)
 """
 
 from dataclasses import replace
@@ -34,9 +32,8 @@ def Billet(n):
     box = StructuredBox(grid, grid, grid, names=lambda side, centre: names.get(side, side))
     s, t, z = box.points.T  # the square of side 1 becomes a quarter of a disc
     disc = s * np.sqrt(1 - t**2 / 2), t * np.sqrt(1 - s**2 / 2)
-    replace(box, points=np.transpose([*np.multiply(RADIUS, disc), HALF * z])).AddTo(
-        ngmesh, "billet"
-    )
+    points = np.transpose([*np.multiply(RADIUS, disc), HALF * z])
+    replace(box, points=points).AddTo(ngmesh, "billet")
     ngmesh.Compress()
     return Mesh(ngmesh)
 
@@ -73,25 +70,23 @@ def Run(n=4, friction: NotNegative = 0.2, depth=3.0, steps=10, out=None):
     die = Plane((0, 0, HALF), (0, 0, -1)).Moved(shift=(0, 0, -down))
     contact = LACContact(u, lam, obstacle=die, finite=True, friction=friction or None)
     stepper, moved = LoadStepper(ContactSolver(a, gf, contact), down), gf.components[0]
-    strain = LogStrain(Grad(moved))
-    flags = {"printing": False, "callback": lambda _: material.Commit(strain)}
+    flags = {"printing": False, "callback": lambda _: material.Commit(LogStrain(Grad(moved)))}
     stepper.Integrate(depth, steps=steps, **flags)
 
     way, force = stepper.Table()["load"], -4 * stepper.Table()["force"][:, 0, 2]
     smooth = 4 * SmoothForce(way, Integrate(1, mesh.Boundaries("top")))
-    ratios = force / smooth
-    middle, end = (RADIUS + moved(mesh(RADIUS, 0, height))[0] for height in (0, HALF))
+    ratios, height = force / smooth, np.linspace(0, HALF, 61)
+    side = np.array([moved(mesh(RADIUS, 0, z)) for z in height])
+    bulge = side[0, 0] - side[-1, 0]
     volume = Integrate(Det(Id(3) + Grad(moved)), mesh, order=6) / Integrate(1, mesh)
-    print(f"force over that without friction {ratios[-1]:.6f}, bulge {middle - end:.4f} mm")
+    print(f"force over that without friction {ratios[-1]:.6f}, bulge {bulge:.4f} mm")
     assert (ratios > 1).all() if friction else np.allclose(ratios, 1, rtol=0, atol=1e-4), ratios
 
     forces = {"computed": (way, force, ".-"), "smooth,_exact": (way, smooth, "k--")}
-    height = np.linspace(0, HALF, 60)
-    side = np.array([moved(mesh(RADIUS, 0, z)) for z in height])
     shape = {"side_of_the_billet": (RADIUS + side[:, 0], height + side[:, 2], "-")}
     Show(out, "upsetting", moved, Curves("way of each die [mm]", "force [N]", **forces),
          Curves("radius [mm]", "height [mm]", **shape), die=contact)  # fmt: skip
-    return {"force_ratio": ratios.tolist(), "bulge": middle - end, "volume": volume}
+    return {"force_ratio": ratios.tolist(), "bulge": bulge, "volume": volume}
 
 
 main = Main(Run)
