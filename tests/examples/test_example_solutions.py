@@ -4,7 +4,6 @@ import belt
 import bouncing
 import carter
 import flatring
-import hertz
 import hertz3d
 import hertz_large
 import ironing
@@ -203,11 +202,6 @@ def test_order_of_convergence(residuals, quadratic):
 
 
 # --- Hertz, blocks -------------------------------------------------------------------------------
-
-
-def test_the_half_model_cannot_be_turned():
-    with pytest.raises(ValueError, match="angle = 30"):
-        hertz.Run(angle=30)
 
 
 def test_hertz3d_with_friction():

@@ -1,4 +1,4 @@
-"""Hertz' line contact, NAFEMS benchmark 1, frame and units.
+"""Hertz' line contact, and NAFEMS benchmark 1.
 
 The paper's Hertz problem is that of `tutorials/examples/hertz.py`. Benchmark 1 (Konter) has the
 same bodies with friction 0.1; its published values contain large displacements (code_aster SSNP154,
@@ -16,8 +16,7 @@ import numpy as np
 from hertz import AtOrigin, Exact, Figures
 from ngsolve import VectorH1
 from problems_large import Model, SaintVenant
-from report_bounds import Both, Means, Meshes, Neglected, Rounding, Spread, Tolerance
-from report_bounds import Exact as Equal
+from report_bounds import Both, Means, Meshes, Neglected, Spread, Tolerance
 from report_case import Case, Outcome, Row
 from report_pictures import INK, Bodies, Figure, Profile
 
@@ -219,38 +218,6 @@ def Sides(quick):
     return Outcome(rows, Figure(Draw, columns=2, size=(10, 3.8)), caption)
 
 
-# ---------------------------------------------------------------- frame and units
-
-CHANGES = {
-    "rotated by 37 degrees": {"angle": 37.0},
-    "in metres and pascals": {"length": 1e-3, "stress": 1e6},
-}
-FULL = {"friction": 0.2, "full": True}
-
-
-def Frame(quick):
-    options = FULL | {"h": 1.0 if quick else 0.5, "steps": 1 if quick else 3}
-    first = Pressed(**options).states[-1]
-    rows, curves = [], {}
-    for name, change in CHANGES.items():
-        curves[name] = last = Pressed(**options, **change).states[-1]
-        for key in ("pressure", "traction"):
-            error = np.abs(last[key] - first[key]).max() / first["pressure"].max()
-            rows.append(Row(f"{name}: change of the {key} over p0", error, 0, Rounding()))
-        status = float(np.sum(last["status"] != first["status"]))
-        rows.append(Row(f"{name}: statuses that change", status, 0, Equal()))
-
-    def Draw(ax):
-        Profile(ax, first["start"], first["end"], first["pressure"], label="upright, mm and MPa")
-        for marker, (name, last) in zip("x+", curves.items(), strict=True):
-            middle = 0.5 * (last["start"] + last["end"])
-            ax.plot(middle, last["pressure"], marker, color=INK, ms=5, label=name)
-        ax.set(xlim=(-8, 8), xlabel="x [mm]", ylabel="pressure [MPa]")
-        ax.legend(loc="lower center")
-
-    return Outcome(rows, Figure(Draw, size=(6, 3.4)), "The pressures of all three, in MPa.")
-
-
 CASES = [
     Case(
         "hertz2d",
@@ -284,14 +251,5 @@ CASES = [
         "The same problem in small sliding with the cylinder as slave.",
         "python tutorials/examples/hertz.py --h 0.25 --steps 20 --power 1 --slave block --finite",
         Sides,
-    ),
-    Case(
-        "frame-and-units",
-        "Frame and units",
-        "The frictional Hertz problem once more, turned by 37 degrees, and in metres and pascals: "
-        "nothing in the method knows directions or sizes.",
-        "The same problem upright, in millimetres and megapascals.",
-        "pytest tests/validation/test_cases.py -k frame",
-        Frame,
     ),
 ]

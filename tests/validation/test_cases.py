@@ -23,7 +23,6 @@ ELSEWHERE = {
     "patch3d": "validation/test_patch.py::test_constant_shear_3d",
     "patch2d": "validation/test_patch.py::test_constant_stress_2d",
     "patch-large": "validation/test_patch_large.py::test_large_strain",
-    "frame-and-units": "solver/test_invariance.py::test_solution_is_that_of_the_first_frame",
     "infsup2d": "validation/test_infsup.py::test_bounded_under_refinement_2d",
     "mms-large": "validation/test_mms_large.py::"
     "test_rates_and_newton_from_the_interpolated_solution",

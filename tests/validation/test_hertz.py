@@ -12,7 +12,6 @@ from case_hertz import (
     DISPLACEMENT,
     FORCE,
     FRICTION,
-    FULL,
     INDEPENDENT,
     L2,
     PUBLISHED,
@@ -78,7 +77,7 @@ def test_pressure_agrees_with_hertz(h, friction, steps):
 
 def test_springs_against_rolling_carry_no_force():
     # The mesh is not symmetric: the force along the block is that of the discretisation alone.
-    upright = Pressed(h=0.5, steps=3, **FULL)
+    upright = Pressed(h=0.5, steps=3, full=True)
     assert abs(upright.contact.Force()[0]) <= 1e-3 * 2 * FORCE
     assert Values(upright.states[-1])["p0_ratio"] == pytest.approx(1.016, abs=2e-3)
 
