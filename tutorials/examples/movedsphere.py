@@ -28,6 +28,7 @@ from ngslac.reference import HertzPoint
 
 OPEN, STICK, SLIP = 0, 1, 2
 COPIES = {"quarter": 4, "half": 2, "full": 1}  # of the model, which make the whole
+CONTACT, ZONE = 1.0, 1.25  # radius to aim at (finite bodies have a larger one); of the slave face
 FIRST = 0.01  # of the load that makes all slip: a first step, which tells the stiffness before slip
 
 
@@ -42,15 +43,10 @@ class Sphere:
 
     model: str  # "quarter" for twists, "half" (y >= 0) for shifts along x, "full"
     elements: float  # edges along the contact radius
-    order: int = 2  # of the displacement
-    # Macro-elements are single triangles or, with "none", several (two for order 2).
-    stabilize: str = "bubble"
     friction: float = 0.3  # Coulomb's coefficient
     young: float = 70e3  # of both bodies
     nu: float = 0.3
     radius: float = 50.0  # of the sphere, half width and height of the block
-    contact_radius: float = 1.0  # to aim at; since the bodies are finite it gets a bit larger
-    zone: float = 1.25  # radius of the slave face over `contact_radius`
     grading: float = 0.5  # of the elements away from there
     press: int = 2  # steps of the normal motion
     # Friction acts while the normal load grows, too, unless it is smooth. It should not matter
@@ -59,10 +55,9 @@ class Sphere:
     smooth: bool = False
 
     def __post_init__(self):
-        zone = self.zone * self.contact_radius
-        block = {"width": self.radius, "height": self.radius, "grading": self.grading}
-        h, self.states = self.contact_radius / self.elements, []
-        self.mesh = SphereOnBlock(h, radius=self.radius, zone=zone, model=self.model, **block)
+        sizes = dict.fromkeys(("radius", "width", "height"), self.radius)
+        how = {"zone": ZONE, "model": self.model, "grading": self.grading}
+        self.mesh, self.states = SphereOnBlock(CONTACT / self.elements, **sizes, **how), []
         V = self._Displacements()
         X = V * LACSpace(V, slave="slave")
         (u, lam), (v, _) = X.TnT()
@@ -99,13 +94,11 @@ class Sphere:
         for axis, plane in zip("xyz", planes, strict=True):
             here = {name for name in names if re.fullmatch(plane, name)}
             fixed[f"dirichlet{axis}"] = "|".join(["top", "bottom", *sorted(here)])
-        if self.stabilize == "bubble":
-            return BubbleVectorH1(self.mesh, slave="slave", order=self.order, **fixed)
-        return VectorH1(self.mesh, order=self.order, **fixed)
+        return BubbleVectorH1(self.mesh, slave="slave", order=2, **fixed)
 
     def Press(self):
         """Press the sphere on the block; the radius of the contact grows by equal parts."""
-        approach = self.contact_radius**2 / self.radius
+        approach = CONTACT**2 / self.radius
         parts = np.arange(1, self.press + 1) / self.press
         pressed = self.Move("approach", *approach * parts**2)
         self.rubs.Set(self.friction)
@@ -200,16 +193,17 @@ class Sphere:
     def Summary(self, rows):
         """Numbers of all steps."""
         loading = [row for row in rows if row["stick_ratio_fit"] is not None]
-        errors = {
-            error: max(abs(row[name] - row["stick_ratio_exact"]) for row in loading)
-            for error, name in (
-                ("stick_error", "stick_ratio"),
-                ("stick_fit_error", "stick_ratio_fit"),
-            )
+
+        def Largest(name):
+            return max(abs(row[name] - row["stick_ratio_exact"]) for row in loading)
+
+        return {
+            "stick_error": Largest("stick_ratio"),
+            "stick_fit_error": Largest("stick_ratio_fit"),
+            "newton_max": max(state.iterations for state in self.states),
+            "macros": self.contact.space.nmacros,
+            "steps": rows,
         }
-        newton = max(state.iterations for state in self.states)
-        macros = self.contact.space.nmacros
-        return errors | {"newton_max": newton, "macros": macros, "steps": rows}
 
     def Tell(self, figures, columns, *names):
         """Print figures of the steps, then those of all."""
@@ -222,25 +216,24 @@ class Sphere:
 
     def Show(self, out, name, rows, curve, exact):
         """The curve, of which both are names of figures, stick, tractions; files for ParaView."""
-        state, number = self.states[-1], range(1, len(rows) + 1)
-        hertz = self.Hertz(state.force[2])
+        columns = {
+            key: [np.nan if row[key] is None else row[key] for row in rows] for key in rows[0]
+        }
+        start, number = (
+            {key: [0, *values] for key, values in columns.items()},
+            range(1, 1 + len(rows)),
+        )
+        curves = {"exact": (*(start[key] for key in exact), "k-")}
+        curves["computed"] = *(start[key] for key in curve), "o"
+        styles = {"stick_ratio_exact": "k_", "stick_ratio": "o", "stick_ratio_fit": "x"}
+        stick = {key: (number, columns[key], style) for key, style in styles.items()}
+        hertz = self.Hertz(self.states[-1].force[2])
         r = np.linspace(0, 1.2 * hertz.contact_radius, 300)
-        pairs = (("exact", exact, "k-"), ("computed", curve, "o"))
-        curves = {
-            label: (*([0, *(row[key] for row in rows)] for key in pair), style)
-            for label, pair, style in pairs
-        }
-        stick = {
-            key: (number, [np.nan if row[key] is None else row[key] for row in rows], style)
-            for key, style in {
-                "stick_ratio_exact": "k_",
-                "stick_ratio": "o",
-                "stick_ratio_fit": "x",
-            }.items()
-        }
         bound = {"friction times Hertz' pressure": (r, self.friction * hertz.Pressure(r), "k")}
-        at, traction = (np.linalg.norm(v, axis=1) for v in (self.faces.middle, state.traction))
-        bound["computed"] = at, traction, "."
+        at, size = (
+            np.linalg.norm(v, axis=1) for v in (self.faces.middle, self.states[-1].traction)
+        )
+        bound["computed"] = at, size, "."
         Show(out, name, self.displacement, Curves(*curve, **curves),
              Curves("step", "radius of stick / contact radius", **stick),
              Curves("distance from the middle [mm]", "traction [MPa]", **bound),
@@ -261,7 +254,7 @@ def BulkCompliance(sphere):
     half-spaces is taken, 3 Q (2 - nu)/(20 G b) on each side for a force Q (integrated from
     Johnson, Contact Mechanics, 1985, equation 3.91a).
     """
-    V, radius = sphere.displacement.space, sphere.zone * sphere.contact_radius
+    V, radius = sphere.displacement.space, ZONE
     left = 1 - (x * x + y * y) / radius**2
     density = sqrt(0.5 * (left + sqrt(left * left)))  # zero outside
     u, v = V.TnT()

@@ -147,14 +147,12 @@ def Run(friction: NotNegative = 0.0, cases=None, out=None):
         rows.append(figures)
         line = "{name:<34}{stress_error:9.1e}{multiplier_error:9.1e}"
         print(line.format(**figures), flush=True)
-    errors = {name: [row[name] for row in rows] for name in ("stress_error", "multiplier_error")}
-    worst = float(np.max([*errors.values()]))  # which does not lose a NaN
+    kinds, number = ("stress_error", "multiplier_error"), range(len(rows))
+    errors = {kind: ([row[kind] for row in rows], number, ".") for kind in kinds}
+    worst = float(np.max([values for values, *_ in errors.values()]))  # which does not lose a NaN
     print(f"largest relative error {worst:.1e} in {len(rows)} cases")
     assert worst < 1e-9, rows
-
-    number = range(len(rows))
-    curves = {name: (values, number, ".") for name, values in errors.items()}
-    panel = Curves("error", "case", xscale="log", **curves)
+    panel = Curves("error", "case", xscale="log", **errors)
     Show(out, "patch3d", displacement, panel, slave=contact)
     return {"max_error": worst, "cases": rows}
 

@@ -60,8 +60,8 @@ def Press(mesh, tool):
     a, depth = BilinearForm(X), Parameter(0)
     a += InnerProduct(Stress(Sym(Grad(u)), YOUNG, POISSON), Sym(Grad(v))) * dx
     contact = LACContact(u, lam, obstacle=tool.Moved(shift=(0, 0, -depth)), finite=True)
-    stepper = LoadStepper(ContactSolver(a, GridFunction(X), contact), depth)
-    stepper.Integrate(DEPTH, steps=2, printing=False)
+    solver = ContactSolver(a, GridFunction(X), contact)
+    LoadStepper(solver, depth).Integrate(DEPTH, steps=2, printing=False)
     return contact
 
 
@@ -83,8 +83,8 @@ def Run(h=0.25, out=None):
 
     panels, window = [], {"xlim": (0, 1.6), "ylim": (0, 1.6)}
     for name, contact in contacts.items():
-        places, pressure = contact.Table()["x"][:, :2], contact.Table()["pressure"]
-        panels.append(Map(places, pressure, f"pressure, {name}", **window))
+        at, pressure = contact.Table()["x"][:, :2], contact.Table()["pressure"]
+        panels.append(Map(at, pressure, f"pressure, {name}", **window))
     Show(out, "pyramid", None, *panels, top=contacts["pyramid"])
     return {"cone_ratio": inside, "outer_cone_ratio": around, "pyramid_ratio": pyramid}
 
