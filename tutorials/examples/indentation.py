@@ -128,16 +128,15 @@ def OnsetPressure(poisson):
     return float(1 / np.sqrt(squares / 2).max())
 
 
-def Onset(h=0.2, zone=5.0, size=40.0, radius=100.0, young=70e3, **options):
+def Onset(h=0.2, hardening=70.0):
     """Peak pressure over yield stress when yield begins.
 
     In the elastic state all stresses grow together: one step on a block that does not yield tells
     the ratio of the peak pressure to the largest von Mises stress. The contact is small against the
     block, and wide against the mesh.
     """
-    options |= {"radius": radius, "young": young, "yield_stress": young}
-    elastic = Indenter(h=0.5 * h, zone=0.3 * zone, size=10 * size, **options)
-    (row,) = elastic.Advance([1.5 * (0.3 * zone) ** 2 / radius])
+    elastic = Indenter(h / 2, yield_stress=70e3, hardening=hardening, zone=1.5, size=400.0)
+    (row,) = elastic.Advance([1.5 * 1.5**2 / 100.0])
     return row["peak_pressure"] / row["mises"]
 
 
@@ -214,7 +213,7 @@ def Run(h=0.2, depth=0.08, steps=16, yield_stress=35.0, hardening: NotNegative =
     hardening : slope of the yield stress, in MPa
     """
     options = {"h": h, "yield_stress": yield_stress, "hardening": hardening}
-    onset, cycle = Onset(h, hardening=hardening), Cycle(Indenter(**options), depth, steps)
+    onset, cycle = Onset(h, hardening), Cycle(Indenter(**options), depth, steps)
     figures = {"onset_pressure": onset} | cycle.figures
     hertz, mean = figures["onset_pressure_hertz"], figures["mean_pressure_ratio"]
     print(f"peak pressure over yield stress at onset {onset:.4f}, Hertz {hertz:.4f}")
