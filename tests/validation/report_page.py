@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import re
 import time
 import traceback
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -60,11 +62,12 @@ def Compute(case, quick, folder):
     """Compute a case and draw its picture to ``folder/pictures``; errors become part of it."""
     start = time.process_time()
     outcome, error = None, ""
+    file = Path(folder) / "pictures" / f"{case.name}.png"
+    file.parent.mkdir(parents=True, exist_ok=True)
     try:
-        outcome = case.function(quick)
-        file = Path(folder) / "pictures" / f"{case.name}.png"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        outcome.picture(file)
+        with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):  # examples print
+            outcome = case.function(quick)
+            outcome.picture(file)
         Shrink(file)
     except Exception as failure:
         traceback.print_exc()
