@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from ngslac.solve.nearness import Nearness
     from ngslac.solve.residual import Measurement
 
 __all__ = ["Globalization"]
@@ -44,6 +45,7 @@ class Globalization:
         """Forget the solve before."""
         self._seen, self._merits, self._tiny, self._leaps = {}, [], 0, 0
         self.cycles = self.damped = False  # a contact status came back; a line search is made
+        self.unproven = None  # the Nearness of a step that only the next correction judges
 
     @property
     def stagnates(self) -> bool:
@@ -86,28 +88,53 @@ class Globalization:
         returned = changed > 0 and number - first > 1
         returned = returned and state.merit > 0.1 * min(self._merits)
         self._merits.append(np.inf if moving else state.merit)
+        patient = patient or self.unproven is not None
         stuck = not patient and number > 5 and min(self._merits[-4:]) > 0.5 * min(self._merits[:-4])
         self.cycles, self.damped = self.cycles or returned, self.damped or returned or stuck
 
+    def TakeBack(self) -> Measurement:
+        """Go back to where the last step began: it led away."""
+        self._merits.pop()
+        return self.unproven.Return()
+
     def Search(
-        self, move: Callable[[float], Measurement], moving: bool = False
+        self,
+        move: Callable[[float], Measurement],
+        moving: bool = False,
+        nearness: Nearness | None = None,
     ) -> tuple[Measurement, float]:
         """The part of a step, by ``move(part)``: its Measurement, not finite if none is, and it.
 
         `moving`: the step carries Dirichlet values, of which the residual before does not know.
+        `nearness` knows more of the step than the residual.
         """
-        best, damping, taken = None, 1.0, 0.0
+        best, damping, taken, whole, self.unproven = None, 1.0, 0.0, True, None
         for halving in range(self.halvings + 1):
             trial, taken = move(damping), damping
+            whole = whole and trial.finite
             if best is None or trial.merit < best[0].merit:
                 best = trial, damping
             if best[0].finite and (moving or halving >= self._Halvings(*best)):
+                break
+            if nearness and trial.finite and self._Leads(nearness, trial, damping, whole):
+                best = trial, damping
                 break
             damping /= 2
         if taken != best[1] and best[0].finite:
             best = move(best[1]), best[1]
         self._tiny = self._tiny + 1 if best[1] <= self.TINY else 0
         return best
+
+    def _Leads(self, nearness: Nearness, trial: Measurement, damping: float, whole: bool) -> bool:
+        """Does a part of a step lead nearer to the solution, or may it?
+
+        `whole`: there is a residual all along the step.
+        """
+        if nearness.Nears(damping):
+            return True
+        if whole and not self.damped and damping >= 0.5**self.SHORT and nearness.May(trial):
+            self.unproven = nearness
+        return self.unproven is not None
 
     def SearchStart(self, move: Callable[[float], Measurement]) -> tuple[Measurement, float] | None:
         """The first step of a body that a few macro-elements hold: as Search, None if none fits.

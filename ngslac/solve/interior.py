@@ -66,7 +66,7 @@ class InteriorPoint:
         pressure = max(spring.Pressure(motion) for spring in self.springs)
         if self.system.CountMotionAsDone():
             self.values[:] += motion
-            self.state = self.system.Trial(state, 0)
+            self.state = self.system.Measure()
         return pressure
 
     def Step(self, state: Measurement) -> tuple[Measurement, float]:
@@ -143,7 +143,7 @@ class InteriorPoint:
             self.values[:] = start + part * motion
             for spring, step in self._Each(steps):
                 spring.Show(self.values, spring.law.Shown(step, part))
-            trial = self.system.Trial(state, part)
+            trial = self.system.Trial(state, part, part * motion)
             if trial.finite:
                 break
             part /= 2

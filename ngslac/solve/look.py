@@ -88,6 +88,11 @@ class Look:
                 f"the slave around {ShownPoint(place)} has moved by {way:.3g} through the master "
                 "that it faced, and touches nothing: take smaller steps"
             )
+        if (place := self.system.PassedTool()) is not None:
+            raise ContactConvergenceError(
+                f"the slave around {ShownPoint(place)} has gone through the tool: take smaller "
+                "steps"
+            )
 
     def _LookAtDepths(self) -> None:
         """Parts of a slave so deep in the master that contact does not see them."""

@@ -18,6 +18,7 @@ from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
 from ngslac.solve.iteration import Iteration, Log, MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
+from ngslac.solve.nearness import Nearness
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.search import FAILURES, StatusSearch
 from ngslac.solve.stability import UnstableError
@@ -282,14 +283,20 @@ class Newton:
         correction = system.Correction(
             system.Linearize(state, convex=convex), self._Accuracy(state)
         )
+        unproven, takes_back = self.globalization.unproven, False
+        if unproven and not convex and unproven.LedAway(correction):
+            state, correction, takes_back = self.globalization.TakeBack(), unproven.way, True
         start = vec.CreateVector()
         start.data = vec
         longest = system.Sight(correction)
+        way = longest * correction
+        judged = self._BendsHeld() and not (convex or takes_back)
+        nearness = Nearness(system, state, way) if judged else None
 
         def move(part: float) -> Measurement:
             vec.data = start
-            system.values[:] -= part * longest * correction
-            return system.Trial(state, part * longest)
+            system.values[:] -= part * way
+            return system.Trial(state, part * longest, part * way)
 
         found = None
         if self.holding.closings and len(self.history) == 1:
@@ -297,7 +304,7 @@ class Newton:
         elif system.loose and system.motion is None:
             found = self._Stick(state, move)
         moving = system.motion is not None or convex
-        trial, part = found or self.globalization.Search(move, moving)
+        trial, part = found or self.globalization.Search(move, moving, nearness)
         damping = part * longest
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
@@ -305,6 +312,12 @@ class Newton:
         if self.holding.Close(guess=not self.onpath):
             return system.Measure(), damping
         return trial, damping
+
+    def _BendsHeld(self) -> bool:
+        """Is the bulk nonlinear, and do others than contact hold all of it, without a motion?"""
+        system = self.system
+        held = not (system.bodies.floating or system.loose or system.ground or system.residual.drag)
+        return held and system.motion is None and not system.islinear
 
     def _Stick(
         self, state: Measurement, move: Callable[[float], Measurement]

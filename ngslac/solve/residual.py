@@ -45,8 +45,8 @@ class Measurement:
         The part of the equilibrium rows of the merit.
     status : (m,) int
         Of the macro-elements of all contacts: 0 open, 1 stick, 2 slip.
-    covered : (m,)
-        Share of their area that faces a master.
+    covered, gaps : (m,)
+        Share of their area that faces a master, and how far it is away.
     reason : str
         Why there is no residual.
     exact : bool
@@ -60,6 +60,7 @@ class Measurement:
     unbalance: float
     status: np.ndarray = field(repr=False)
     covered: np.ndarray = field(repr=False)
+    gaps: np.ndarray = field(repr=False)
     reason: str = ""
     exact: bool = True
 
@@ -68,14 +69,18 @@ class Measurement:
         """Is there a residual?"""
         return np.isfinite(self.merit)
 
-    def LostSight(self, before: Measurement) -> bool:
-        """Did a macro-element lose its partner, as when a step moves it through the master?"""
-        return bool(np.any(self.covered < 0.5 * before.covered))
+    def LostSight(self, before: Measurement, moved: float) -> bool:
+        """Did a macro-element lose a partner that a step may have moved it through?
+
+        `moved` is how far it moved anything: where the partner is farther, it has turned away.
+        """
+        lost = self.covered < 0.5 * before.covered
+        return bool(np.any(before.gaps[lost] <= 2 * moved))
 
     @classmethod
     def Nothing(cls, reason: str) -> Measurement:
         """Of an iterate that has no residual."""
-        return cls(None, np.inf, np.inf, np.inf, np.inf, None, None, reason)
+        return cls(None, np.inf, np.inf, np.inf, np.inf, None, None, None, reason)
 
 
 class Residual:
@@ -270,6 +275,7 @@ class Residual:
             unbalance,
             np.concatenate([t["status"] for t in tables]),
             np.concatenate([t["area"] / t["fullarea"] for t in tables]),
+            np.concatenate([t["gap"] for t in tables]),
             exact=exact,
         )
 

@@ -56,6 +56,8 @@ ROCKS = 1e-5
 FALSE_TURN = 1e-3
 # Of a traction: what its direction is known by.
 ROUNDING = 1e-8
+# Places on the way of a macro-element where a tool may be.
+WAYPOINTS = 33
 # Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
@@ -130,7 +132,7 @@ class System:
         self.loose, self.idle, self.slides = False, False, True
         self.restless = self.slid = False
         self.notes, self._said, self.stability = {}, set(), Stability()
-        self.lean = None
+        self.lean = self._solved = None
         self._bodies = bodies
         self._apart = False  # is the bulk known to leave the multipliers alone?
         self._turning = None  # materials of which it knows finite rotations, once that matters
@@ -255,6 +257,22 @@ class System:
         self.Evaluate()
         return (way, place) if way > 0 else None
 
+    def PassedTool(self) -> np.ndarray | None:
+        """Where the slave has gone through a tool since the start, or None."""
+        contacts = [c for c in self.contacts if c.tool and c.active and not len(c.form.ToolDofs())]
+        if not contacts or self.Way(self._start) <= np.min(self.Sizes()):
+            return None
+        now = self.Place()
+        self.values[:] = self._start
+        self.residual.Follow()
+        self.Evaluate()
+        begins = [contact.Table()["x"] for contact in contacts]
+        self.GoTo(now)
+        self.Measure()
+        self.Evaluate()
+        places = (ThroughTool(c, begin) for c, begin in zip(contacts, begins, strict=True))
+        return next((place for place in places if place is not None), None)
+
     def CheckSpace(self) -> None:
         """What was made for a space goes on with this one: it was not refined since."""
         if len(self.linear.free) != self.values.size:
@@ -333,11 +351,13 @@ class System:
         """The part of a correction (n,) that takes no face farther than contact looks for it."""
         return min((SightOf(contact, -correction) for contact in self._meshed), default=1.0)
 
-    def Trial(self, state: Measurement, part: float) -> Measurement:
-        """The Measurement after a part of a step from another Measurement."""
+    def Trial(self, state: Measurement, part: float, motion: np.ndarray) -> Measurement:
+        """The Measurement after a part of a step, a motion (n,), from another Measurement."""
         trial = self.Measure()
-        if trial.finite and part > LEAST_SIGHT and trial.LostSight(state):
-            return Measurement.Nothing("surfaces pass through each other")
+        if trial.finite and part > LEAST_SIGHT:
+            moved = np.max(np.abs(motion[self.residual.displacements]), initial=0.0)
+            if trial.LostSight(state, moved):
+                return Measurement.Nothing("surfaces pass through each other")
         return trial
 
     def Moved(
@@ -389,6 +409,7 @@ class System:
             """The same without condensed dofs; bodies and tools that nothing holds stay."""
             displacements = ~self.residual.multipliers
             system = self.MakeLinearSystem(mats, residual, accuracy=accuracy)
+            self._solved = system
             if drag or self.idle:
                 shift = drag.Shift() if drag else IDLE_SHIFT * displacements
                 return self.linear.Solve(replace(system, shift=shift))
@@ -407,6 +428,16 @@ class System:
             return found
 
         return self.Displace(residual, Solve, mats)
+
+    def SimplifiedCorrection(self) -> np.ndarray:
+        """That (n,) of the residual measured last, with the matrices of the last correction."""
+        residual = self.gf.vec.CreateVector()
+        self.layout.Values(residual)[:] = np.sum(self.residual.parts, axis=1)
+
+        def Solve(rows: np.ndarray) -> np.ndarray:
+            return self.linear.Solve(replace(self._solved, rhs=np.array(rows)))
+
+        return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
 
     def _MayStay(self, displacements: np.ndarray) -> bool:
         """May bodies stay where they are, in place of displacements of a nearly singular system?"""
@@ -663,6 +694,23 @@ def WayThrough(
     way[paired] = Approach(contact, motion)[paired] / table["area"][paired] - table["gap"][paired]
     farthest = int(np.argmax(way))
     return (way[farthest] if way[farthest] > size else 0.0), table["x"][farthest]
+
+
+def ThroughTool(contact: LACContact, begins: np.ndarray) -> np.ndarray | None:
+    """Where a macro-element is that has come through the tool from places (m, d), or None.
+
+    Straight on, from outside to outside, and deeper than it is large.
+    """
+    ends, sizes = contact.Table()["x"], contact._Sizes()
+    far = np.flatnonzero(np.linalg.norm(ends - begins, axis=1) > sizes)
+    if not len(far):
+        return None
+    parts = np.linspace(0, 1, WAYPOINTS)[:, None]
+    ways = begins[far, None] + parts * (ends - begins)[far, None]
+    distances = contact.tool.Distance(ways.reshape(-1, ends.shape[1])).reshape(len(far), -1)
+    outside = np.minimum(distances[:, 0], distances[:, -1]) > -0.5 * sizes[far]
+    through = far[outside & (distances.min(axis=1) < -sizes[far])]
+    return ends[through[0]] if len(through) else None
 
 
 def SightOf(contact: LACContact, motion: np.ndarray) -> float:

@@ -17,7 +17,7 @@ INF = np.inf
 
 def state(merit, status=(1, 1)):
     status = np.array(status)
-    return Measurement(None, merit, 0.0, merit, 0.0, status, np.ones(len(status)))
+    return Measurement(None, merit, 0.0, merit, 0.0, status, *np.ones((2, len(status))))
 
 
 def watched(*steps, changed=0):
@@ -111,7 +111,8 @@ def test_surfaces_that_pass_through_each_other_lose_their_partners(share, lost):
     before, after = state(1.0), state(1.0)
     before.covered[:] = 0.5, 1.0
     after.covered[:] = 0.5, share
-    assert after.LostSight(before) == lost
+    assert after.LostSight(before, moved=1.0) == lost
+    assert not after.LostSight(before, moved=0.4)  # the partner was farther away: it turned
 
 
 def test_a_state_without_residual_is_not_finite():

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: LGPL-2.1-or-later
+"""Newton steps that raise the residual and lead nearer to the solution all the same."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ngslac.solve.residual import Norm
+
+if TYPE_CHECKING:
+    from ngslac.solve.residual import Measurement
+    from ngslac.solve.system import System
+
+__all__ = ["Nearness"]
+
+# Macro-elements of another status, as at both ends of a contact, which do not matter much.
+FEW = 2
+
+
+class Nearness:
+    """Tells by corrections whether a step from the present place leads nearer to the solution.
+
+    A step moves along a tangent, and a thin body that bends is stretched on the way. It resists
+    stretching so much more than bending that the residual grows, even a thousandfold, where the
+    solution is near. Corrections are lengths, which know that (Deuflhard, Newton Methods for
+    Nonlinear Problems, 2004, section 3.1).
+
+    Parameters
+    ----------
+    system : System
+    state : Measurement
+        At the present place.
+    way : (n,) array
+        The whole step.
+    """
+
+    def __init__(self, system: System, state: Measurement, way: np.ndarray):
+        self.system, self.state, self.way, self.place = system, state, way, system.Place()
+
+    def Nears(self, part: float) -> bool:
+        """Is a correction with the same matrices shorter than the part of the step that was taken?
+
+        That is known at once.
+        """
+        return self._Length(self.system.SimplifiedCorrection()) <= part * self._Length(self.way)
+
+    def May(self, trial: Measurement) -> bool:
+        """Is it the bulk that raised the residual of the trial, and not another contact status?
+
+        Then the step may be taken, and the correction after it tells.
+        """
+        return np.count_nonzero(trial.status != self.state.status) <= FEW
+
+    def LedAway(self, correction: np.ndarray) -> bool:
+        """Is the correction after the step longer than the step?"""
+        return self._Length(correction) > self._Length(self.way)
+
+    def Return(self) -> Measurement:
+        """Go back to where the step began."""
+        self.system.GoTo(self.place)
+        state = self.system.Measure()
+        self.system.Evaluate()
+        return state
+
+    def _Length(self, values: np.ndarray) -> float:
+        """Of the displacements."""
+        return Norm(values[self.system.residual.displacements])
