@@ -435,7 +435,7 @@ class System:
         self.layout.Values(residual)[:] = np.sum(self.residual.parts, axis=1)
 
         def Solve(rows: np.ndarray) -> np.ndarray:
-            return self.linear.Solve(replace(self._solved, rhs=np.array(rows)))
+            return self.linear.Solve(replace(self._solved, rhs=rows))
 
         return self.Displace(residual, Solve, [form.mat for form in self._Forms()])
 
