@@ -14,15 +14,15 @@ struct ToolDof {
   Vec<D> At(const Vec<D> & x) const { return linear + spin * x; }
 };
 
-/// A point of the slave, and a tool.
+/// Distance and normal of a tool at a point of the slave.
 template <int D>
 struct ToolHit {
   double distance;
   Vec<D> gradient;
-  Vec<D> normal; // unit, out of the tool; 0 where it has none
+  Vec<D> normal; // unit, out of the tool; 0 where the gradient is 0
 };
 
-/// A tool where it is.
+/// A tool at its current place.
 template <int D>
 class ToolPosition {
   SomeTool<D> shape;
@@ -53,7 +53,7 @@ public:
   }
 };
 
-/// The motion of a tool: that of its path, and that of its unknowns.
+/// The motion of a tool along its path, and by its unknowns.
 template <int D>
 class ToolPath {
   SomeTool<D> shape;
@@ -97,7 +97,7 @@ public:
     Reevaluate();
   }
 
-  /// Evaluates what Parameters may have changed.
+  /// Evaluates place and loads again if Parameters have changed them.
   void Reevaluate() {
     bool changed = version == 0;
     for (auto & watch : watches)
@@ -111,7 +111,7 @@ public:
       loads.Append(drive.motion.load ? ValuesOf(*drive.motion.load)(0) : 0.0);
   }
 
-  /// Another number for other values of Parameters.
+  /// A number that changes whenever the values of Parameters do.
   int Version() const { return version; }
   ToolPosition<D> At(FlatVector<> x) const {
     ToolPosition<D> position(shape, place);
@@ -137,7 +137,7 @@ public:
     return position;
   }
 
-  /// Of the unknowns, in the order of ToolPosition::dofs.
+  /// The dofs of the unknowns, in the order of ToolPosition::dofs.
   FlatArray<int> Dofs() const { return dofs; }
   /// Subtracts the loads on the tool.
   void AddLoads(FlatVector<> y) const {

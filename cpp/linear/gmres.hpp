@@ -16,7 +16,7 @@ public:
   virtual void Total(FlatVector<>) const {}
 };
 
-/// Of any two operators; without an inverse M is the identity.
+/// A product with any two operators; if `inverse` is null, M is the identity.
 class OperatorProduct : public PreconditionedProduct {
 public:
   OperatorProduct(shared_ptr<BaseMatrix> mat, shared_ptr<BaseMatrix> inverse)
@@ -38,7 +38,7 @@ private:
 struct GMResLimits {
   double tol;   // relative residual that is small enough
   int maxiter;  // products with the matrix
-  int patience; // so many that do not halve the residual together are a stall; 0: there is none
+  int patience; // a stall is this many products that do not halve the residual; 0: no stall
 };
 
 struct GMResSolution {
@@ -47,15 +47,15 @@ struct GMResSolution {
   bool converged;
 };
 
-/// GMRES without restart from zero for  A x = rhs  on the free dofs, preconditioned from the right:
-/// the norm is that of the residual itself. Where processes have parts of the vectors all of them
-/// call it, and take the same decisions.
+/// GMRES from zero, without restart, for  A x = rhs  on the free dofs (Saad and Schultz 1986). The
+/// preconditioner is on the right: the norm is that of the residual itself. If several processes
+/// have parts of the vectors, all of them call it and take the same decisions.
 ///
-/// The vectors  z = M^-1 q  are kept and combined (flexible GMRES, Saad 1993): M^-1 may be in any
-/// precision and not even the same each time, its rounding errors are none of the solution. A basis
-/// vector that the projection left with less than half its length is projected twice (Daniel,
-/// Gragg, Kaufman and Stewart 1976). `look` is called before each product; what it throws ends the
-/// iteration. Saad and Schultz 1986.
+/// The vectors  z = M^-1 q  are kept and combined (flexible GMRES, Saad 1993): M^-1 may have any
+/// precision and may differ from call to call; its rounding errors do not enter the solution. If
+/// the projection leaves less than half the length of a basis vector, it is repeated (Daniel,
+/// Gragg, Kaufman and Stewart 1976). `look` is called before each product; an exception from it
+/// ends the iteration.
 GMResSolution GMRes(const PreconditionedProduct & product, const BaseVector & rhs,
                     const BitArray & free, const GMResLimits & limits,
                     const function<void()> & look);

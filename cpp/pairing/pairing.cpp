@@ -75,7 +75,7 @@ Array<double> MakePointTable(const Pairing<D> & pairing, const Surface<D> & slav
                              const Surface<D> * master) {
   constexpr int width = 8 + 2 * D;
   Array<double> table(width * pairing.points.Size());
-  table = 0.0; // second coordinates of edges
+  table = 0.0; // in 2D the second coordinates stay 0
   ParallelFor(pairing.Size(), [&](size_t s) {
     auto & segment = pairing.segments[s];
     for (size_t i : pairing.Points(s)) {

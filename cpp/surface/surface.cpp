@@ -4,7 +4,8 @@
 
 namespace ngslac {
 namespace {
-/// The middle of a mesh that is far from 0, else 0; rounded so that differences have no errors.
+/// The middle of a mesh, or 0 if the mesh is near 0. It is rounded to a multiple of a power of 2,
+/// so that differences from it have no errors.
 template <int D>
 Vec<D> OriginOf(const MeshAccess & ma) {
   netgen::Box<D> box(netgen::Box<D>::EMPTY_BOX);
@@ -81,7 +82,7 @@ void Surface<D>::AddFace(size_t face, MeshAccess & ma, CoefficientFunction * dis
   auto interpolate = [](ELEMENT_TYPE type, int degree) {
     return Interpolation{InterpolationPoints<R>(type, degree), ControlFromValues<R>(type, degree)};
   };
-  thread_local int known_degree = -1; // few types and degrees, many faces
+  thread_local int known_degree = -1; // computed once for many faces
   thread_local Interpolation known[2];
   if (known_degree != degree) {
     known[0] = interpolate(D == 2 ? ET_SEGM : ET_TRIG, degree);

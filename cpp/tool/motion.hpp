@@ -12,7 +12,8 @@ struct Placement {
 
   Vec<D> ToSpace(const Vec<D> & y) const { return turn * y + shift; }
   Vec<D> ToTool(const Vec<D> & x) const { return Trans(turn) * (x - shift); }
-  /// The same, and the digits that it leaves out where a tool turns about a far point.
+  /// ToTool(x), and the remainder that rounding takes from it, which counts where a tool turns
+  /// about a far point.
   pair<Vec<D>, Vec<D>> ToToolWithRest(const Vec<D> & x) const {
     Apart<D> apart(x, shift);
     Vec<D> value, rest;
@@ -22,13 +23,15 @@ struct Placement {
     }
     return {value, rest};
   }
-  /// This motion first, then a rotation about a point of the space, then a shift.
+  /// Adds a rotation about a point of the space after this motion.
   void Turn(const Mat<D, D> & by, const Vec<D> & about);
+  /// Adds a shift after this motion.
   void Shift(const Vec<D> & by) { shift += by; }
   bool operator==(const Placement & other) const;
 };
 
-/// By an angle about an axis (2D: any, it points to the viewer), and its derivative at 0.
+/// The rotation by an angle about an axis, and its derivative at the angle 0. In 2D the axis is
+/// ignored and points to the viewer.
 template <int D>
 Mat<D, D> Rotation(double angle, const Vec<3> & axis);
 template <int D>
@@ -40,7 +43,7 @@ struct ToolMotion {
   Vec<3> center, axis;
 };
 
-/// A part of a tool's motion that is not given, but follows from the balance of forces.
+/// A part of a tool's motion that is unknown and follows from the balance of forces.
 struct ToolDrive {
   shared_ptr<CoefficientFunction> travel; // trial function of one number
   shared_ptr<CoefficientFunction> load;   // force or moment on the tool; null: none
@@ -48,19 +51,20 @@ struct ToolDrive {
   Vec<3> center, axis;                    // of the rotation, before the tool moves
 };
 
-/// A rigid body that is no mesh: what it is, how it moves by itself, and how loads move it.
+/// A rigid body without a mesh: its shape, its motions by Parameters, and its motions by loads.
 struct RigidTool {
   shared_ptr<ToolShape> shape;
   std::vector<ToolMotion> motions;
   std::vector<ToolDrive> drives;
 };
 
-/// Throws where a function has no value without a point of the space.
+/// Throws if a function depends on more than numbers and Parameters.
 void CheckParametric(CoefficientFunction & function, const string & name);
-/// Values of such a function.
+/// Values of a function of numbers and Parameters.
 Vec<3> ValuesOf(const CoefficientFunction & function);
 
-/// Where motions lead, one after the other; each counts in the space.
+/// The placement after these motions, one after the other. Centers, axes and shifts are those of
+/// the space, not of the moved tool.
 template <int D>
 Placement<D> Follow(const std::vector<ToolMotion> & motions);
 

@@ -6,10 +6,10 @@ namespace ngslac {
 /// Dofs and faces that a macro-element couples in finite sliding, each list sorted.
 struct Coupling {
   bool pushes = false; // are there forces?
-  Array<int> dofs;     // that gap and slip depend on
-  Array<int> turning;  // that the normal depends on
+  Array<int> dofs;     // dofs that gap and slip depend on
+  Array<int> turning;  // dofs that the normal depends on
   Array<int> masters;  // faces of the master that forces act on
-  Array<int> key;      // the data from which all this follows
+  Array<int> key;      // the numbers that decide on the other members
 };
 
 template <int D>
@@ -81,8 +81,8 @@ bool UpdateCoupling(const Scene<D> & scene, const MacroPoints<D> * start, size_t
   return true;
 }
 
-/// The multipliers of a macro-element couple with its dofs, the normal turns the forces on these,
-/// and each face of the master couples with itself.
+/// The multipliers of a macro-element couple with its dofs. Where forces act, these dofs couple
+/// with those that turn the normal, and the dofs of each face of the master couple with each other.
 template <int D>
 Array<GraphBlock> GraphOf(FlatArray<Coupling> couplings, const FaceShapes<D> * master,
                           FlatArray<int> lamdof) {
@@ -109,8 +109,8 @@ Array<GraphBlock> GraphOf(FlatArray<Coupling> couplings, const FaceShapes<D> * m
   return blocks;
 }
 
-/// The couplings of all macro-elements, and matrices with their entries: the graph is made anew
-/// where one of them has changed.
+/// The couplings of all macro-elements, and matrices with entries for them. A coupling that changes
+/// makes the graph anew.
 class Couplings {
   Array<Coupling> couplings;
   shared_ptr<SparseMatrix<double>> last;
