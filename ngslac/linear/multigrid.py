@@ -21,20 +21,21 @@ if TYPE_CHECKING:
 
 __all__ = ["Multigrid"]
 
-# Mean number of dofs of a star, whose matrix is inverted.
+# Largest mean number of dofs of a star; the matrix of each star is inverted.
 LARGEST_STAR = 100
 
 
 class Multigrid:
-    """Sweeps over all dofs around a V-cycle on the vertices, whose setup serves again.
+    """Sweeps over all dofs before and after a V-cycle on the vertices; its setup is reused.
 
     In NGSolve's hierarchical bases the functions of the vertices are those of first order, so that
-    their matrix is a part of the given one. Where they are nearly all functions, the sweeps are
-    those of the finest level. The sweeps solve for a vertex and what is around it at once: that
-    takes less than half of the iterations of single dofs; stiffness may jump inside of elements.
+    their matrix is a part of the system's. Where nearly all functions are those of vertices, the
+    sweeps are also the sweeps of the finest level. Each step of a sweep solves for the dofs at and
+    around a vertex together. This takes less than half of the iterations that sweeps over single
+    dofs take, and the stiffness may jump inside of elements.
     """
 
-    growth = 1.5  # of the iterations, from which on a new setup is made
+    growth = 1.5  # a new setup is made where iterations grow by more than this factor
 
     def __init__(self, nodes: VertexNodes, most: bool, space: FESpace):
         self.nodes, self.most, self.space = nodes, most, space
@@ -51,9 +52,9 @@ class Multigrid:
         self._best, self.learnt = np.inf, False
 
     def Preconditioner(self, system: Condensation, scale: np.ndarray) -> TwoLevel:
-        """For a Condensation of the matrix that has got the factors `scale` (n,).
+        """Return the preconditioner of a Condensation, whose matrix was scaled by `scale` (n,).
 
-        It serves until the next call.
+        It is valid until the next call.
         """
         if self._pressures is None:
             self._pressures = PressureRows(system)
@@ -67,7 +68,7 @@ class Multigrid:
         if self.learnt:
             self._changed = changed
             self._Learn(system, Blocks(system, nodes), self.nodes.Modes(scale))
-        elif self._skipped:  # nobody needs the rows that are as they were
+        elif self._skipped:  # the rows that did not change are not needed
             self._changed |= changed
             mat, rows = Blocks(system, nodes, self._changed), np.flatnonzero(self._changed)
             self._cycle.Take(self._hierarchy.Matrices(mat, rows)[1:])
@@ -94,7 +95,7 @@ class Multigrid:
         self._inverse = TwoLevel(system, self._sweeps, self._cycle, dofs)
 
     def Watch(self, iterations: float) -> None:
-        """Report the `iterations` for each digit: where they grow the setup is made anew."""
+        """Take the `iterations` for each digit: where they grow, the next setup is a new one."""
         if iterations > self.growth * self._best:
             self.Relearn()
         else:
@@ -102,10 +103,11 @@ class Multigrid:
 
 
 def Stars(space: FESpace) -> Table_I:
-    """A table of dofs: all around each vertex; or where these are many its edges, and edges' faces.
+    """Make a table of stars of dofs: all dofs around each vertex, or fewer where those are many.
 
-    With all around a vertex iterations take no notice of order and shape, but inverses of large
-    stars take more time and memory than they save.
+    With all dofs around a vertex, iterations do not depend on order and shape of elements; but
+    inverses of large stars take more time and memory than they save. The smaller stars are a vertex
+    with its edges, and an edge with its faces.
     """
     stars = space.CreateSmoothingBlocks(blocktype=["vertexpatch"])
     sizes = np.fromiter(map(len, stars), int)
@@ -115,13 +117,13 @@ def Stars(space: FESpace) -> Table_I:
 
 
 def Blocks(system: Condensation, nodes: np.ndarray, rows: np.ndarray | None = None) -> bsr_matrix:
-    """The part of nodes (n, d) of dofs of a Condensation, or some `rows` (n,) bool, as bsr_matrix.
+    """Return the part of a Condensation on nodes (n, d) of dofs, or some `rows` (n,) bool of it.
 
-    What is not free, or no dof, is a row of the identity.
+    It is a bsr_matrix. An entry of `nodes` that is not a free dof gets a row of the identity.
     """
     used = (nodes >= 0) & AsNumPy(system.freedofs)[nodes]
     rows = None if rows is None else AsBits(np.repeat(rows, nodes.shape[1]))
-    part = system.Part(np.where(used, nodes, -1).ravel(), rows)  # whose memory the views below are
+    part = system.Part(np.where(used, nodes, -1).ravel(), rows)  # the arrays below view its memory
     mat = scipy.sparse.csr_matrix(tuple(map(np.asarray, part.CSR())), shape=part.shape)
     blocks = mat.tobsr(2 * (nodes.shape[1],))
     blocks.sort_indices()

@@ -36,7 +36,7 @@ class Skin:
     ----------
     mesh : Mesh
     faces : (m,) int
-        The number there of each boundary element of this process; -1 for those that it lacks.
+        Number on the skin of each boundary element of this process; -1: it is not there.
     """
 
     def __init__(self, mesh: Mesh, mask: list[bool]):
@@ -54,7 +54,7 @@ class Skin:
         used = [PointsOf(tables[k]) for k in (0, 1, 3)]
         used = np.isin(numbers[:, 0], np.unique(np.concatenate(used)))
         numbers, points, *tables = map(rows, (numbers[used], points[used], *tables))
-        known = np.unique(numbers)  # in the order of global numbers: orientations stay
+        known = np.unique(numbers)  # sorted by global numbers, which keeps orientations
         for k in (0, 1, 3):
             wide, inside = PointColumns(tables[k])
             wide[inside] = np.searchsorted(known, wide[inside])
@@ -116,7 +116,7 @@ class Skin:
 
 
 class Trace:
-    """A space of a distributed mesh, its copy on the skin, and which of their rows are the same.
+    """A space of a distributed mesh, its copy on the skin, and the rows that both have.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Trace:
     local, there : (k,) int
         Rows of this process that are on the skin, too, and their numbers there.
     count, size : int
-        Rows of this process, and on the skin.
+        Numbers of rows of this process, and of the skin.
     """
 
     def __init__(self, skin: Skin, space: FESpace):
@@ -158,7 +158,7 @@ class Trace:
         self.there = np.concatenate([parts[k].there + d * self.copy.Range(k).start for k in every])
 
     def _Find(self) -> None:
-        """Find the rows by the dofs of elements; others know those without an element here."""
+        """Find the rows by the dofs of elements; other processes find the rest."""
         skin, space = self.skin, self.space
         here, there = ByElements(space, skin.own), ByElements(self.copy, skin.places)
         if skin.together.Sum(len(here) != len(there)):
@@ -233,13 +233,13 @@ def PointsOf(table: np.ndarray) -> np.ndarray:
 
 
 def Touches(table: np.ndarray, marked: np.ndarray) -> np.ndarray:
-    """Which elements (m,) bool have one of the points."""
+    """Which elements (m,) bool have one of the marked points?"""
     wide, inside = PointColumns(table)
     return np.any(inside & np.isin(wide, marked), axis=1)
 
 
 def Places(known: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Places of rows among all those known, in the order of their numbers."""
+    """Find the positions of rows among the known ones, which are sorted by their numbers."""
     return np.searchsorted(np.unique(known[:, 0]), rows[:, 0])
 
 
@@ -255,7 +255,7 @@ def ByElements(space: FESpace, elements: np.ndarray) -> np.ndarray:
 def CopyOf(space: FESpace, mesh: Mesh) -> FESpace:
     """The same kind of space on another mesh."""
     state = space.__getstate__()
-    if len(state) != 3:  # one that another space is in
+    if len(state) != 3:  # a space that contains another one
         raise ValueError(
             f"a {type(space).__name__} space ({space.type}) is not known on a distributed mesh: "
             "take the space in it"

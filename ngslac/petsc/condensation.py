@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""What contacts add to a system, on rank 0; the system without their multipliers, distributed."""
+"""Contacts of a system, on rank 0, and the distributed system without their multipliers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Contacts:
     Attributes
     ----------
     touched : (n,) bool
-        Displacements with entries.
+        Displacements that have entries in the sum.
     """
 
     def __init__(
@@ -48,15 +48,15 @@ class Contacts:
         self.touched &= ~self.ismultiplier
 
     def All(self) -> tuple[csr_matrix, np.ndarray]:
-        """The matrix on some dofs, and these."""
+        """Return the matrix on the dofs that have entries, and these dofs."""
         return OnItsDofs(self._mat)
 
     def Condensed(self, dim: int) -> LocalContact:
-        """The LocalContact."""
+        """Make the LocalContact of this sum."""
         return LocalContact(self._mat, self._multipliers, dim)
 
     def Sparse(self, condensed: LocalContact) -> tuple[csr_matrix, np.ndarray]:
-        """What is added to the bulk in its place, on some dofs, and these."""
+        """Return the matrix to add to the bulk instead of the sum, on its dofs, and these dofs."""
         mat = self._mat.tocoo()
         apart = ~(self.ismultiplier[mat.row] | self.ismultiplier[mat.col])
         where = mat.row[apart], mat.col[apart]
@@ -69,7 +69,7 @@ class Contacts:
 
 
 def OnItsDofs(mat: spmatrix) -> tuple[csr_matrix, np.ndarray]:
-    """The part of a matrix that is not empty, and its dofs."""
+    """Return the rows and columns of a matrix that have entries, and their dofs."""
     mat = mat.tocoo()
     dofs = np.union1d(mat.row[mat.data != 0], mat.col[mat.data != 0])
     mat = mat.tocsr()[dofs][:, dofs]
@@ -82,14 +82,14 @@ class LocalContact:
     Attributes
     ----------
     dofs : (k,) int
-        Those touched by multipliers, and these.
+        Displacements that multipliers couple with, and the multipliers.
     mat : (k, k) csr_matrix
     terms : (k, k) csr_matrix
-        T, see Condensation, which is added to the bulk's K.
+        The matrix T of Condensation, which is added to the matrix K of the bulk.
     islam : (k,) bool
-        Which are multipliers; each has a unit row in what stands for the sum.
+        Which dofs are multipliers; each has a unit row in `Contacts.Sparse`.
     system : Condensation
-        Of the rows and columns of the multipliers alone.
+        Made from the rows and columns of the multipliers alone.
     """
 
     def __init__(self, mat: csr_matrix, multipliers: np.ndarray, dim: int):
@@ -104,7 +104,7 @@ class LocalContact:
         self.mat = scipy.sparse.coo_matrix((values, where), shape=(size, size)).tocsr()
         self.islam = ismultiplier[self.dofs]
         numbers = np.searchsorted(self.dofs, multipliers).tolist()
-        every = np.arange(size)  # also zeros, as the graph has to be symmetric with its diagonal
+        every = np.arange(size)  # zeros make the graph symmetric, and give it a diagonal
         graph = np.hstack([where, where[::-1], (every, every)])
         values = np.concatenate([values, np.zeros(len(values) + size)])
         local = Exported(scipy.sparse.coo_matrix((values, graph), shape=(size, size)))
@@ -119,8 +119,8 @@ class LocalContact:
 class CondensedSystem:
     """Products with  A = Pl^T M P,  M = K + T; collective.
 
-    The projections of a Condensation take from T all but the terms of slip, so that one distributed
-    matrix serves for products with A and preconditions it.
+    The projections of a Condensation remove all of T but the terms of slip. Therefore one
+    distributed matrix serves both for products with A and for its preconditioner.
     """
 
     def __init__(self, numbering: Numbering, mat: PETSc.Mat, contact: LocalContact | None):
@@ -135,10 +135,10 @@ class CondensedSystem:
     def _Change(
         self, vec: PETSc.Vec, function: Callable[..., np.ndarray], *others
     ) -> np.ndarray | None:
-        """Put into a vector what a function makes of its entries, and of other arrays, on rank 0.
+        """Replace the entries of a vector at contacts by a function of them and of other arrays.
 
-        These entries are those of the dofs that contact touches. Returns what it has put, and None
-        elsewhere.
+        These entries are those of `contact.dofs`; rank 0 replaces them. Returns the new entries
+        there, and None on other ranks.
         """
         self._scatter.scatter(vec, self._local)
         if self.contact is None:
@@ -153,7 +153,7 @@ class CondensedSystem:
         return self._Change(vec, lambda values: values)
 
     def _Bulk(self, u: np.ndarray, image: np.ndarray) -> np.ndarray:
-        """K u from the image of M u."""
+        """Compute K u from the image M u."""
         contact = self.contact
         return np.where(contact.islam, 0.0, image - contact.terms @ u)
 
@@ -171,7 +171,7 @@ class CondensedSystem:
         return self.contact.system.Test(np.where(self.contact.islam, 0.0, image))
 
     def Reduce(self, b: PETSc.Vec) -> PETSc.Vec:
-        """The right hand side of A, a new vector."""
+        """Make the right hand side of the system with A, as a new vector."""
         own, u, reduced = self._Own(b), self._work, b.duplicate()
         u.set(0)
         lifted = self._Change(u, lambda zero: self.contact.system.Displacements(own, zero))
@@ -182,7 +182,7 @@ class CondensedSystem:
         return reduced
 
     def Expand(self, b: PETSc.Vec, w: PETSc.Vec) -> PETSc.Vec:
-        """The solution from that of A: a new vector."""
+        """Make the solution from the solution w of the system with A, as a new vector."""
         own, x, image = self._Own(b), w.copy(), b.duplicate()
         u = self._Change(x, lambda part: self.contact.system.Displacements(own, part))
         self.mat.mult(x, image)
@@ -191,7 +191,7 @@ class CondensedSystem:
         return x
 
     def Residual(self, b: PETSc.Vec, x: PETSc.Vec) -> PETSc.Vec:
-        """What a solution leaves of b: a new vector."""
+        """Make the residual b less the image of x under the whole system, as a new vector."""
         own, u, left = self._Own(x), x.copy(), b.duplicate()
         self._Change(u, lambda part: np.where(self.contact.islam, 0.0, part))
         self.mat.mult(u, left)
@@ -200,6 +200,6 @@ class CondensedSystem:
         return left
 
     def _Image(self, x: np.ndarray, image: np.ndarray) -> np.ndarray:
-        """That of the whole system."""
+        """Compute the image of x under the whole system, from the image M u."""
         u = np.where(self.contact.islam, 0.0, x)
         return self._Bulk(u, image) + self.contact.mat @ x

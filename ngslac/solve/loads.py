@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-2.1-or-later
-"""Loads besides those of the bulk form: checked, and as numbers."""
+"""Check loads that are not part of the bulk form, and make them numbers."""
 
 from collections.abc import Callable
 
@@ -17,7 +17,7 @@ __all__ = ["CheckNoMultiplierLoad", "CheckRhs", "LoadVector"]
 def CheckRhs(
     rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, space: FESpace
 ) -> LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None:
-    """Loads that are a LinearForm or a vector on the space, or a function that returns one."""
+    """Check loads: a LinearForm or a vector on the space, or a function that returns one."""
     if isinstance(rhs, GridFunction):
         raise TypeError("rhs is a GridFunction: give its gf.vec if that holds forces")
     if IsFunction(rhs):
@@ -35,8 +35,8 @@ def CheckRhs(
 def LoadVector(
     rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, gf: GridFunction
 ) -> np.ndarray:
-    """The load on the space of a GridFunction: from nothing, a vector, a form or a callable."""
-    if IsFunction(rhs):  # which may fail on one of many processes
+    """Return the load on the space of a GridFunction, from None, a vector, a form or a callable."""
+    if IsFunction(rhs):  # the function may fail on one of many processes
         return LayoutOf(gf.space).together.ByUser(_LoadOf, rhs, gf)
     return _LoadOf(rhs, gf)
 
@@ -44,7 +44,7 @@ def LoadVector(
 def _LoadOf(
     rhs: LinearForm | BaseVector | Callable[[], LinearForm | BaseVector] | None, gf: GridFunction
 ) -> np.ndarray:
-    """The same, of this process."""
+    """Return the load on this process."""
     name, load = ("rhs()", rhs()) if IsFunction(rhs) else ("rhs", rhs)
     values = Values(load, gf.space, name)
     if isinstance(load, LinearForm) and not IsAssembled(load) and not values.any():
@@ -56,7 +56,7 @@ def _LoadOf(
 
 
 def Values(load: LinearForm | BaseVector | None, space: FESpace, name: str = "rhs") -> np.ndarray:
-    """A load that is no function as array of the rows of a space."""
+    """Return a load that is not a function, as an array of the rows of a space."""
     layout, size = LayoutOf(space), space.ndof * space.dim
     if load is None and name == "rhs":
         return layout.Of(np.zeros(size))
@@ -76,7 +76,7 @@ def Values(load: LinearForm | BaseVector | None, space: FESpace, name: str = "rh
 def CheckNoMultiplierLoad(name: str, size: float, allowed: float) -> None:
     """Refuse forces of bulk or loads in the rows of the multipliers: they would shift the gap.
 
-    Their `size` may be what the solver takes for zero: reactions of an earlier solve hold as much.
+    A `size` up to `allowed` counts as zero: reactions of an earlier solve contain as much.
     """
     if size > allowed:
         raise ValueError(
