@@ -105,7 +105,7 @@ def solved(found, *, weight=1e-3, **law):
 
 
 def test_forces_of_pairs_balance():
-    """On each grain act those of its neighbours, and its weight."""
+    """On each grain, the forces of its neighbours balance its weight."""
     found = FindContacts(grains(), within=0.05)
     forces = solved(found, friction=0.3)
     assert len(found.pairs) == 15
@@ -117,7 +117,7 @@ def test_forces_of_pairs_balance():
     assert len(total) == 9
     for force in total.values():
         assert force == pytest.approx((0, 1e-3), abs=1e-9)
-    assert "grain 5" in " ".join(found.left_out)  # and its diagonal neighbours
+    assert "grain 5" in " ".join(found.left_out)  # it pairs with no diagonal neighbour
 
 
 def test_the_order_of_bodies_does_not_matter():
@@ -137,7 +137,7 @@ def test_the_order_of_bodies_does_not_matter():
 
 
 def stack(names=("slave", "master")):
-    """A block on a plate; `names` of the sides in between."""
+    """A block on a plate; `names` are those of the two sides that face each other."""
     low, up = Rectangle(2, 1).Face().Move((0, -1, 0)), MoveTo(0.4, 0.05).Rectangle(1, 0.6).Face()
     for face, name, h in (low, "low", 0.5), (up, "grain", 0.1):
         face.faces.name, face.edges.name, face.faces.maxh = name, "side", h
@@ -184,7 +184,7 @@ def test_masters_and_what_is_left_out():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_small_foot_on_a_large_face(dim):
-    """Which is not met by the points where that is looked at."""
+    """The foot lies between the points at which the large face is sampled."""
     if dim == 2:
         plate, foot = Rectangle(2, 1).Face(), MoveTo(0.95, 1.001).Rectangle(0.1, 0.1).Face()
         plate.faces.name, foot.faces.name, foot.faces.maxh = "plate", "foot", 0.05
@@ -199,7 +199,7 @@ def test_a_small_foot_on_a_large_face(dim):
 
 
 def test_a_foot_at_the_edge_of_a_plate():
-    """Sides that are nearer, but look elsewhere, do not hide what it stands on."""
+    """Nearer sides that face elsewhere do not hide the face that the foot stands on."""
     plate, foot = Rectangle(2, 1).Face(), MoveTo(1.7, 1.001).Rectangle(0.3, 0.3).Face()
     plate.faces.name, foot.faces.name, foot.faces.maxh = "plate", "foot", 0.05
     foot.edges.Min(Y).name, foot.edges.Max(Y).name = "below", "above"
@@ -211,7 +211,7 @@ def test_a_foot_at_the_edge_of_a_plate():
 
 
 def test_sheets_thinner_than_the_distance():
-    """No face sees through its own body, and others are not paired through a sheet in between."""
+    """No face is paired through its own body, or through a sheet in between."""
     sheets = [Box((0, 0, 0.02 * k), (1, 1, 0.02 * (k + 1))) for k in range(4)]
     for k, sheet in enumerate(sheets):
         sheet.solids.name, sheet.faces.maxh = f"sheet{k}", 0.2 + 0.05 * (k % 2)
@@ -227,7 +227,7 @@ def test_sheets_thinner_than_the_distance():
 
 
 def test_names_of_bodies_differ():
-    """Of materials that are called like a numbered one, and of bodies of two materials."""
+    """Also if a material is called like a numbered body, or a body has two materials."""
     names, parts = ("block", "block", "block 1"), []
     for k, name in enumerate(names):
         part = MoveTo(2 * k, 0.01).Rectangle(1, 1).Face()
@@ -243,7 +243,7 @@ def test_names_of_bodies_differ():
 
 
 def test_curved_edges_stay_curved():
-    """Also where bodies are paired along a part of them."""
+    """Also if bodies are paired along only a part of the edges."""
     hub = Circle((0, 0), 2).Face() - Circle((0, 0), 1).Face()
     shaft = Circle((0, 0), 1.01).Face()
     hub.faces.name, shaft.faces.name = "a(2)|b", "shaft"
@@ -254,7 +254,7 @@ def test_curved_edges_stay_curved():
 
 
 def test_a_mesh_whose_bodies_share_a_boundary(tmp_path):
-    """As one from a file may have: then the boundary is divided, and its name stays."""
+    """A mesh from a file may have one: the boundary is divided, and keeps its name."""
     mesh = stack(None)
     mesh.ngmesh.Elements1D().NumPy()["index"][:] = 1
     mesh.ngmesh.SetBCName(0, "outside")

@@ -63,7 +63,7 @@ def at(t, path):
 
 
 def force(X, u, lam, *, others=True):
-    """The force of the contact; the other unknowns get a mass, which NGSolve has not for powers."""
+    """The force of the contact; `others` get a mass, which NGSolve does not have for powers."""
     trial, test = X.TnT()
     a = BilinearForm(X)
     a += linear(at(trial, u), at(test, u)) + at(test, u)[1] * ds("slave")

@@ -48,7 +48,7 @@ def test_restore_takes_back_the_obstacle(mesh):
     contact.Restore()
     assert contact.Table()["gap"] == pytest.approx(-0.1)
     assert contact.Segments().gap == pytest.approx(-0.1)
-    contact.form.Close(BitArray(contact.space.nmacros * [True]), gf.vec)  # by the restored gap
+    contact.form.Close(BitArray(contact.space.nmacros * [True]), gf.vec)  # it uses the restored gap
     normals = contact.Table()["normal"]
     pressure = -np.sum(gf.components[1].vec.FV().NumPy().reshape(-1, 2) * normals, axis=1)
     assert pressure == pytest.approx(0.1 * C, rel=1e-4)
@@ -57,25 +57,25 @@ def test_restore_takes_back_the_obstacle(mesh):
 
 
 def first_touch(contact):
-    """Tangential parts of where the slip counts from."""
+    """Tangential parts of the points from which slip counts."""
     reference = contact.form.Table()["reference"]
     normal = contact.Table()["normal"]
     return reference - np.sum(reference * normal, axis=1)[:, None] * normal
 
 
 def test_the_approach_of_the_obstacle_counts_for_the_first_touch(mesh):
-    """A block at rest above an obstacle that rises: slip in the step of the touch counts fully."""
+    """After a block rests above a rising obstacle, slip in the step of the touch counts fully."""
     t = Parameter(-0.3)
     contact = contact_form(mesh, obstacle=-t, friction=0.5)
     for value in (-0.2, -0.1):
         t.Set(value)
         contact.Commit(GridFunction(contact.form.fes))
     assert first_touch(contact) == pytest.approx(0, abs=1e-14)
-    t.Set(-0.05)  # it comes nearer while the block moves aside
+    t.Set(-0.05)  # the obstacle comes nearer while the block moves aside
     contact.Commit(moved(contact, (0.1, 0.0), (0.1, 0.0)))
     normal = contact.Table()["normal"]
     aside = np.array([0.1, 0]) - normal[:, :1] * 0.1 * normal
-    # It moves by 0.05 plus what the block comes nearer, and as much of the gap is left.
+    # The gap of 0.1 closes by 0.05 plus the approach of the block; `left` is the rest of it.
     left = 0.05 - 0.1 * normal[:, :1]
     assert first_touch(contact) == pytest.approx(aside * (1 + left / (0.05 + 0.1 * normal[:, :1])))
 
