@@ -1,6 +1,6 @@
-"""Fewer cases of a product of options: every pair of values occurs, or some in equal steps.
+"""Choose fewer cases of a product of options: every pair of values, or cases in equal steps.
 
-Beside that, the tests that take long: those of some rooms, and of others by `slow.txt`.
+Mark the tests that take long, too: all of some rooms, and those that `slow.txt` lists.
 """
 
 from itertools import combinations
@@ -14,16 +14,16 @@ SLOW_ROOMS |= {"validation"}
 
 
 def Pairs(case):
-    """All pairs of (option, value) of a case, which maps options to values; a single one alone."""
+    """All pairs of (option, value) of a case {option: value}; a single option counts as a pair."""
     values = sorted(case.items())
     return set(combinations(values, min(2, len(values))))
 
 
 def CoveringArray(cases):
-    """Positions of some of the cases that have every pair of values that any case has.
+    """Choose cases, by position, so that every pair of values of any case is in a chosen one.
 
-    Combinations that are not allowed are just not among the cases. Greedy, the first among equals:
-    the same cases always give the same choice.
+    Combinations that are not allowed are not among the cases. The choice is greedy and takes the
+    first among equals: the same cases always give the same choice.
     """
     pairs = [Pairs(case) for case in cases]
     left, chosen = set().union(*pairs), []
@@ -34,25 +34,25 @@ def CoveringArray(cases):
 
 
 def Options(item):
-    """The values of a collected test by names; what is parametrized together is one option."""
+    """Values of a collected test by option; names that are parametrized together are one option."""
     names = [mark.args[0] for mark in item.iter_markers("parametrize")]
     groups = [tuple(n.replace(",", " ").split()) if isinstance(n, str) else tuple(n) for n in names]
     params = item.callspec.params
     groups += [(name,) for name in sorted(set(params).difference(*groups))]  # of fixtures
-    # All cases share the objects that are their values, of which many have no hash.
+    # Many values have no hash: their ids stand for them, as all cases share the same objects.
     return {group: tuple(id(params[name]) for name in group) for group in groups}
 
 
 def Sample(count, wanted):
-    """So many positions of a list in equal steps, the first and the last one among them."""
+    """Choose `wanted` positions of a list in equal steps, with the first and the last one."""
     return {round(k * (count - 1) / max(wanted - 1, 1)) for k in range(min(wanted, count))}
 
 
 def MarkFull(items):
     """Mark `full` the cases that are neither in the sample nor needed by the pairs of options.
 
-    Of the tests marked sample, or pairwise. Only what was collected counts: a single case named on
-    the command line runs.
+    This concerns tests that are marked `sample` or `pairwise`. Only collected cases count: a single
+    case that the command line names runs.
     """
     families = {}
     for item in items:
@@ -69,14 +69,14 @@ def MarkFull(items):
 
 
 def SlowTests():
-    """Pairs of a file, in the folder of the tests, and a function of it."""
+    """Pairs of a file, relative to this folder, and the name of a function in it."""
     lines = (HERE / "slow.txt").read_text().splitlines()
     files = (line.split(": ") for line in lines if not line.startswith("#"))
     return {(file, name) for file, names in files for name in names.split()}
 
 
 def MarkSlow(items):
-    """Mark `slow` all that is not for each change: also what is for each week alone."""
+    """Mark `slow` the tests that do not run after each change, the weekly ones included."""
     slow = SlowTests()
     for item in items:
         file = item.path.relative_to(HERE)

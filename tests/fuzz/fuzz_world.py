@@ -1,4 +1,4 @@
-"""The problem that every case gets a copy of: two blocks in contact, solved, and a second mesh."""
+"""A solved problem of two blocks in contact, and one on a second mesh; every case gets a copy."""
 
 import tempfile
 from functools import cached_property
@@ -36,7 +36,7 @@ def Elastic(u, v):
 
 
 def Springs(u, v, load):
-    """Springs at both ends, of which the upper ones are pushed."""
+    """Springs at both ends; the load pushes the upper ones."""
     push = load * CF((0.01, -0.02) if u.dim == 2 else (0.01, 0, -0.02))
     return 10 * InnerProduct(u - push, v) * ds("top") + 10 * InnerProduct(u, v) * ds("bottom")
 
@@ -46,7 +46,7 @@ def Pressed(u, v, load):
 
 
 class Problem:
-    """Two blocks, by default held by springs and pressed, with any displacement space."""
+    """Two blocks with any displacement space; by default springs hold and press them."""
 
     def __init__(self, make=P2, mesh=None, slave="slave", forces=Springs, **law):
         self.mesh = mesh or Blocks()
@@ -70,7 +70,7 @@ class Problem:
         return self
 
     def Converged(self):
-        """Solved, with a force between the blocks."""
+        """Solve, and check that a force acts between the blocks."""
         self.Solve()
         assert abs(self.contact.Force()[-1]) > 1e-6
         return self
@@ -91,7 +91,7 @@ def Times(problem, density=1.0):
 
 
 class World(Problem):
-    """Valid arguments of everything public. `other` is the same problem on a mesh of its own."""
+    """Valid arguments for everything public. `other` is the same problem on a mesh of its own."""
 
     def __init__(self, h=0.5, other=True):
         ngs.SetNumThreads(1)  # a fork copies one thread only
@@ -106,7 +106,7 @@ class World(Problem):
             lac.SaveState(self.file, self.solver)
 
     def Conducting(self):
-        """A contact with a flux, evaluated."""
+        """An evaluated contact with a flux."""
         fes = self.V * ngs.H1(self.mesh) * self.Q
         u, T, lam = fes.TrialFunction()
         flux = lac.Flux(T, lambda z: z.Slave(T) - z.Master(T))

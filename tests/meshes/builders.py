@@ -26,7 +26,7 @@ def Hertz(half):
 
 
 def Blocks(rise, turn=None, rounding=1e-12):
-    """Of unit width; the interface rises by `rise` along x, in 3D turned by an angle."""
+    """Sizes of unit blocks; the interface rises by `rise` along x, in 3D turned by an angle."""
     along = {"left": rise / 2, "right": -rise / 2}
     if turn is not None:
         along = {side: cos(radians(turn)) * dz for side, dz in along.items()}

@@ -21,13 +21,13 @@ from ngsolve import (
 from ngslac import ContactSolver, LACContact, LACSpace
 from ngslac.materials import NeoHooke, Stress
 
-TOL = 1e-12  # of Newton's method: what is left of the last iteration is not what is compared
+TOL = 1e-12  # of Newton's method: too small for its last error to show in comparisons
 QUIET = {"printing": False, "tol": TOL}
 
 
 @dataclass
 class Problem:
-    """What a script has at hand; `load` is the parameter of the steps."""
+    """The objects of a contact problem; `load` is the parameter of the load steps."""
 
     mesh: object
     X: object
@@ -66,8 +66,7 @@ def problem(
 ):
     """Bodies that are held at "bottom" and "top"; `pairs` has the options of each slave.
 
-    `flags` go to the displacement space, `law` to each contact: what is a function there is one of
-    the load.
+    `flags` go to the displacement space, `law` to each contact. A function in `law` gets the load.
     """
     pairs = {"slave": {}} if pairs is None else pairs
     held = {"dirichlet": "bottom|top"} if flags is None else flags
@@ -87,7 +86,7 @@ def problem(
 
 
 def results(made, **more):
-    """name -> (numbers, size of that which they are exact to, or None: their own)."""
+    """name -> (numbers, size to which their errors are relative; None: the size of the numbers)."""
     found = {name: (value, None) for name, value in more.items()}
     size = 0.0
     for material in dict.fromkeys(made.mesh.GetMaterials()):

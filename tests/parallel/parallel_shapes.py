@@ -21,7 +21,7 @@ UPWARDS = Axis((0, 0, 0), Z)
 
 def meshed(comm, *shapes, dim=2, maxh=1.0, **options):
     """The only place where a distributed mesh differs from one of a single process."""
-    given = {"parallel_meshing": False} if dim == 3 else {}  # by one thread, in less time
+    given = {"parallel_meshing": False} if dim == 3 else {}  # one thread takes less time
     given |= {} if comm is None else {"comm": comm}
     geometry = OCCGeometry(Compound(shapes), dim=dim)
     return Mesh(geometry.GenerateMesh(maxh=maxh, **options, **given))
@@ -88,7 +88,7 @@ def die_on_slab(comm, h=0.2):
 
 
 def slotted(comm, h=0.3, width=0.08):
-    """A square with a slot from the left, whose sides are the boundary "slave"."""
+    """A square with a slot from the left; the sides of the slot are the boundary "slave"."""
     square = MoveTo(-1, -1).Rectangle(2, 2).Face()
     shape = square - MoveTo(-1.5, -width / 2).Rectangle(2, width).Face()
     shape.faces.name, shape.edges.name = "square", "side"
@@ -107,7 +107,7 @@ def ball_over_slab(comm, h=0.4):
 
 
 def ring_and_disc(comm, h=0.25):
-    """A quarter of a disc in one of a ring, with a small clearance."""
+    """A quarter of a disc in a quarter of a ring, with a small clearance."""
     quarter = Rectangle(3, 3).Face()
     disc = Circle((0, 0), 1).Face() * quarter
     ring = (Circle((0, 0), 2).Face() - Circle((0, 0), 1.001).Face()) * quarter

@@ -1,4 +1,4 @@
-"""Shared by the tests of the closed-form solutions."""
+"""Fixtures that the tests of the closed-form solutions share."""
 
 from itertools import pairwise
 
@@ -31,7 +31,7 @@ def integral():
 
 @pytest.fixture
 def hilbert():
-    """(1/pi) pv int function(s)/(x - s) ds over the range of `breaks`, which holds all kinks."""
+    """(1/pi) pv int function(s)/(x - s) ds over the range of `breaks`, which include all kinks."""
 
     def transform(function, x, breaks):
         reach = 0.5 * min(abs(x - b) for b in breaks)
