@@ -1,4 +1,4 @@
-"""A ball that nothing but contact holds: with friction it lies still, without it rolls away."""
+"""A ball that only contact holds: it lies still with friction, and rolls away without friction."""
 
 from functools import cache
 
@@ -24,13 +24,13 @@ from press import linear, numpy
 
 from ngslac import ContactWarning, FloatingBodyError
 
-# Presses the ball by a quarter of its radius: several macro-elements touch.
+# These forces press the ball by a quarter of its radius: several macro-elements touch.
 FORCE = {"block": 20.0, "plane": 60.0}
 
 
 @cache
 def ball_mesh(under):
-    """The unit ball that touches the origin from above, and a block below it if wanted."""
+    """The unit ball, which touches the origin from above, and with "block" a block below it."""
     ball = Sphere(Pnt(0, 0, 1), 1)
     ball.mat("ball")
     ball.faces.name = "ball"
@@ -52,7 +52,7 @@ def problem(
     inertia, volume = (Integrate(f, ball, order=6) for f in (x * x + y * y, CF(1)))
     load = CF((*side, up * FORCE[under])) / volume + Cross(CF(couple), CF((x, y, z - 1))) / inertia
     down = -specialcf.normal(3)[2]
-    # The gap along the normal; what looks up or aside is far away.
+    # The gap along the normal; where the surface faces up or aside it is large.
     law = {} if under == "block" else {"obstacle": z / IfPos(down - 0.2, down, 0.2)}
 
     def bulk(u, v, _):
@@ -65,7 +65,7 @@ def problem(
 @pytest.mark.parametrize("under", FORCE)
 @pytest.mark.parametrize("side", [(0.0, 0.0), (0.7, -0.4)])
 def test_friction_holds_a_ball(under, side):
-    """Three macro-elements that are not in a line have to touch before it lies still."""
+    """Three macro-elements that are not in a line have to touch before the ball lies still."""
     solver, contact, gf = problem(under, side=side)
     solver.Solve(printing=False)
     assert contact.Force() == pytest.approx([-side[0], -side[1], FORCE[under]], abs=1e-8)
@@ -79,7 +79,7 @@ def test_friction_holds_a_ball(under, side):
 
 
 def test_friction_holds_against_a_couple():
-    """Spinning about the vertical axis needs the couple of the friction."""
+    """Friction balances a couple about the vertical axis."""
     solver, contact, _ = problem(couple=(0.0, 0.0, 0.2))
     solver.Solve(printing=False)
     # The ball is not quite round.
@@ -91,7 +91,7 @@ def test_a_ball_on_a_plane_without_friction_is_free_to_turn():
     solver, contact, _ = problem(friction=None)
     with pytest.warns(ContactWarning, match=r"body 'ball' is free \(rotation about z\)"):
         solver.Solve(printing=False)
-    # Facets of the ball lean: what holds it takes a ten thousandth of its weight.
+    # Facets of the ball are tilted: the hold of its rotation carries up to 1e-4 of its weight.
     assert contact.Force() == pytest.approx([0, 0, FORCE["block"]], abs=1e-4 * FORCE["block"])
 
 
@@ -103,12 +103,12 @@ def test_a_ball_on_a_plane_without_friction_is_free_to_turn():
             {"friction": None, "couple": (0.0, 0.0, 0.1)},
             r"'ball' (turns|floats) \(rotation about z",
         ),
-        ({"initial": "none"}, r"(body 'ball' floats [^:]*){6}:"),  # in the air, by six motions
+        ({"initial": "none"}, r"(body 'ball' floats [^:]*){6}:"),  # in the air: six motions
         ({"up": 1}, "ball"),
     ],
 )
 def test_a_ball_that_nothing_holds(given, message):
-    """A frictionless plane stops the fall only; nothing comes back as if it were a solution."""
+    """A frictionless plane only stops the fall; the failed solve leaves the GridFunction at 0."""
     solver, _, gf = problem(**given)
     with pytest.raises(FloatingBodyError, match=message):
         solver.Solve(printing=False)

@@ -13,7 +13,7 @@ FRICTION = 0.2
 
 
 def bodies(young, *, pressure=0.0, **flags):
-    """Neo-Hookean bodies of these moduli, by names; a load presses the top."""
+    """Neo-Hookean bodies, with their moduli by name; a load presses the top."""
 
     def bulk(u, v, load):
         law = NeoHooke(Id(2) + Grad(u), u.space.mesh.MaterialCF(young), 0.3)
@@ -23,7 +23,7 @@ def bodies(young, *, pressure=0.0, **flags):
 
 
 def block(upper=1.0, lower=1e4, *, h=(0.25, 0.43), fixed="bottom"):
-    """A block on a slab that is wider, both coarse; the top of the block is led sideways."""
+    """A block on a wider slab, both coarse; the sideways motion of its top is prescribed."""
     mesh = {"h_master": h[1], "overhang": 1.0, "quads": True, "structured": False, "height": 0.5}
     held = {"dirichlet": fixed, "dirichletx": "top"}
     young = {"upper": upper, "lower": lower}
@@ -38,7 +38,7 @@ def share(*young, **flags):
 
 
 def test_friction_on_a_rigid_slab_is_the_coefficient_times_the_force():
-    """Along the normals of the slave, whose facets tilt, it was 4 % less."""
+    """It was 4 % less along the normals of the slave, because facets of the slave tilt."""
     problem, drag = block(), Parameter(0)
     solver, contact = problem.solver(), problem.contact
     problem.load.Set(0)
@@ -74,7 +74,7 @@ def test_no_force_aside_on_a_coarse_disc():
 @pytest.mark.parametrize("h", [(0.25, 0.43), (0.1, 0.4), (0.3, 0.1)])
 @pytest.mark.parametrize("stiffer", [1, 1e3, 1e-3, 3])
 def test_share_is_that_of_the_stiffness(stiffer, h):
-    """Whatever meshes there are, within a little."""
+    """The meshes change the ratio of the shares by at most a half."""
     found = share(1, stiffer, h=h)
     assert found / (1 - found) == pytest.approx(stiffer, rel=0.5)
 
@@ -86,7 +86,7 @@ def test_a_prescribed_surface_is_rigid():
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("finite", [False, True])
 def test_condensation_does_not_change_what_is_stiffer(dim, finite):
-    """It makes the diagonal of the matrix smaller, the more the higher the order is."""
+    """Condensation makes the diagonal of the matrix smaller, and more so at a higher order."""
     shares, forces = [], []
     for condense in (False, True):
         problem = press(

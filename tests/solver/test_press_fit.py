@@ -1,4 +1,4 @@
-"""Rings that are pressed into each other by an offset, of meshes that touch."""
+"""Rings whose meshes touch; an offset presses them into each other."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def errors(n, interference=INTERFERENCE, **law):
 
 
 def test_pressure_of_a_press_fit():
-    """Largest error on a macro-element, of order 2."""
+    """The largest error of a macro-element is of order 2."""
     coarse, middle, fine = map(errors, (6, 12, 24))
     assert fine < 1e-3
     assert coarse > 3 * middle > 9 * fine
@@ -30,7 +30,7 @@ def test_large_sliding_differs_by_what_is_nonlinear():
 
 @pytest.mark.parametrize("finite", [False, True])
 def test_a_ramp_in_steps_restarted(finite, tmp_path):
-    """The stepper drives the Parameter of the offset; half way the computation is taken over."""
+    """The stepper drives the Parameter of the offset; half way another stepper continues."""
 
     def stepper():
         problem = press_fit(8, lambda load: INTERFERENCE * load, friction=0.1, finite=finite)
@@ -56,7 +56,7 @@ def test_a_ramp_in_steps_restarted(finite, tmp_path):
 
 
 def test_a_failed_step_leaves_all_as_it_was():
-    """There is no offset beyond a load: the stepper comes near it, and stays there."""
+    """The offset is not finite beyond a load of 0.9: the stepper comes near it, and stays there."""
     problem = press_fit(8, lambda load: INTERFERENCE * IfPos(load - 0.9, 1 / (load - load), load))
     problem.load.Set(0)
     stepper = LoadStepper(problem.solver(), problem.load)
@@ -72,7 +72,7 @@ def test_a_failed_step_leaves_all_as_it_was():
 
 @pytest.mark.parametrize("finite", [False, True])
 def test_polygons_that_touch_are_no_press_fit(finite):
-    """Of straight edges, the rings overlap: that strains them, unless the start is adjusted."""
+    """Rings with straight edges overlap: this strains them, unless the start is adjusted."""
     plain, adjusted = (
         press_fit(6, 0.0, curve=1, finite=finite, **law) for law in ({}, {"adjust": 0.2})
     )
@@ -84,6 +84,6 @@ def test_polygons_that_touch_are_no_press_fit(finite):
 
 
 def test_a_press_fit_smaller_than_the_errors_of_the_geometry():
-    """An interference of 1/2000 of the radius; the meshes are up to as much apart."""
+    """The interference is 1/2000 of the radius; gaps of the meshes reach the same size."""
     assert errors(6, 0.01, curve=3) > 0.5
     assert errors(6, 0.01, curve=3, adjust=0.02) < 0.011

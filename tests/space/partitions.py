@@ -1,4 +1,4 @@
-"""Displacement spaces by name, and what holds for every partition of a slave surface."""
+"""Displacement spaces by name, and a check of any partition of a slave surface."""
 
 import numpy as np
 from bricks import slave_faces
@@ -31,7 +31,7 @@ def cores(Q):
 
 
 def check_partition(Q, slave="bottom"):
-    """What holds for every space: no unused dofs, all faces taken, connected, cores inside."""
+    """Check a partition: dofs and faces are all used, macro-elements connected, cores inside."""
     mesh, macros = Q.mesh, np.array(Q.macros)
     faces = {el.nr: el for el in slave_faces(mesh, slave)}
     assert len(macros) == mesh.GetNE(BND)
