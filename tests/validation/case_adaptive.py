@@ -1,4 +1,4 @@
-"""Errors that are estimated and bounded, and meshes that follow them."""
+"""Estimates and bounds of errors, and meshes that follow the estimates."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RATIOS = ((0.3, 0.2), (0.0, 0.0), (0.45, 0.45))
 
 
 def Adapted(adapt, measure):
-    """What is measured on each mesh, until there are dofs enough."""
+    """Refine until there are enough dofs, and return the measured numbers of each mesh."""
     rows = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ContactWarning)

@@ -1,7 +1,8 @@
 """The GRECO slab on a rigid plane: friction 1, SI units, three zones along the contact line.
 
-In 2D, and as a slice in 3D between two planes of symmetry (x along the contact, y across the slice,
-z up). Refinement of the plane mesh to 64 x 64 cells moves the displacements by less than 0.1 %.
+The problem is solved in 2D, and in 3D as a slice between two planes of symmetry (x along the
+contact, y across the slice, z up). Refinement of the plane mesh to 64 x 64 cells moves the
+displacements by less than 0.1 %.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ SLICE = 0.002  # thickness
 
 @dataclass(frozen=True)
 class Solution:
-    """Displacements along x at the abscissae of the reference, in metres; the table by x."""
+    """Displacements along x at the abscissae of the reference, in metres; a `table` sorted by x."""
 
     displacement: np.ndarray
-    across: np.ndarray  # on the other side of the slice
+    across: np.ndarray  # displacements on the other side of the slice
     table: dict
     force: np.ndarray
     iterations: list
@@ -46,7 +47,7 @@ def PlaneMesh(length):
 
 
 def Graded(first, length, n):
-    """n spacings from 0 to `length` that grow in a geometric series, the first one given."""
+    """Points from 0 to `length`; their n spacings are a geometric series from `first`."""
     powers = np.arange(n)
     q = brentq(lambda q: first * np.sum(q**powers) - length, 1.0, 10.0, xtol=1e-14)
     return np.concatenate([[0.0], np.cumsum(q**powers)]) * length / np.sum(q**powers)
@@ -64,9 +65,9 @@ def SliceOfCells(kind, order, length):
 
 
 def Solve(name, *, steps=1, length=1.0, stress=1.0):
-    """The slab by its space, as "P1bubble", in 3D after the cells, as "hex P2".
+    """Solve the slab; `name` is a space ("P1bubble"), or in 3D cells and a space ("hex P2").
 
-    One metre is `length`, one pascal `stress` units of the computation.
+    One metre is `length` units of the computation, and one pascal is `stress` units.
     """
     *kind, space = name.split()
     if kind:

@@ -1,4 +1,4 @@
-"""Twisting blocks, measured: balances of forces, moments and work, torques, symmetry."""
+"""Measure twisting blocks: balances of forces, moments and work, torques, symmetry."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from twistblocks import MEAN_DISTANCE, Problem, Torque, Turn
 
 TURN = 22.5  # degrees of a step
 HALF = math.radians(TURN / 2)
-MIDDLES = 0.25 * math.sqrt(2) / MEAN_DISTANCE  # of four faces, over the whole square
+# Distance of the middles of four faces from the axis, over the mean distance in the whole square.
+MIDDLES = 0.25 * math.sqrt(2) / MEAN_DISTANCE
 
 
 def TangentialTorque(table):
     """Torque of the tangential tractions alone, taken at the middles of the macro-elements.
 
     The face of the slave is not quite parallel to the plane in each macro-element, and the pressure
-    acts along its normal. What is missing to the whole torque vanishes with the mesh size.
+    acts along its normal. The difference from the whole torque vanishes with the mesh size.
     """
     traction, normal = table["traction"], table["normal"]
     tangential = traction - np.sum(traction * normal, axis=1)[:, None] * normal
@@ -29,16 +30,16 @@ def TangentialTorque(table):
 
 
 def SymmetryError(table, reference, n):
-    """Largest change of the pressures under a quarter turn, relative to the largest of them."""
+    """Largest change of the pressures under a quarter turn, relative to the largest pressure."""
     number = np.lexsort((reference[:, 0].round(9), reference[:, 1].round(9)))
     pressure = table["pressure"][number].reshape(n, n)
     return float(np.abs(pressure - np.rot90(pressure)).max() / np.abs(pressure).max())
 
 
 class Measured:
-    """The blocks, turned, with what is measured after each step.
+    """The turned blocks, and numbers that are measured after each step.
 
-    The upper block has n x n faces and turns in `steps`; `options` are others of the example.
+    The upper block has n x n faces and turns in `steps`; other arguments are those of the example.
     """
 
     def __init__(self, steps, n, *, angle, rigid=False, friction=0.3):
@@ -65,7 +66,7 @@ class Measured:
                 "symmetry_error": SymmetryError(table, self.reference, self.n),
                 "sideways": float(np.abs(contact.Force()[:2]).max()),
                 "tangential_share": TangentialTorque(table) / torque,
-                # By friction in this step, N mm.
+                # Work of friction in this step, N mm.
                 "dissipated": -float(table["area"] @ np.sum(table["traction"] * table["slip"], 1)),
             }
         )
@@ -98,7 +99,7 @@ class Measured:
         return force, float(current[right] @ values[back] - current[back] @ values[right])
 
     def _Figures(self, example, step):
-        """Those of the example and the measured ones, of the steps that turn by this angle."""
+        """Figures of the example and of the measurements; each step turns by the angle `step`."""
         turned = self.rows[2:]
         figures = {name: values[2:] for name, values in example.items()}
         figures |= {name: [row[name] for row in turned] for name in turned[0]}
@@ -111,9 +112,9 @@ class Measured:
             "balance": {name: max(b[name] for b in balances) for name in balances[0]},
             "symmetry_error": max(figures["symmetry_error"]),
             "sideways": max(figures["sideways"]),
-            # Work of friction over that of the tangential torque in the last step, from its end
-            # values. In steady slip by the angle h the tractions are those of the chord of the
-            # way, h/2 from the tangent, and the ratio is tan(h/2) / (h/2).
+            # Work of friction over work of the tangential torque, from the values at the end of the
+            # last step. In steady slip by an angle h, tractions point along the chord of the path,
+            # which is h/2 from the tangent, and the ratio is tan(h/2) / (h/2).
             "dissipation_ratio": figures["dissipated"][-1] / work,
         }
 

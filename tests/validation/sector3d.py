@@ -1,7 +1,8 @@
 """Bodies from plane meshes of triangles: sectors of bodies of revolution, and slices.
 
-A triangle becomes a prism; in a sector with one vertex on the axis a pyramid, with two a
-tetrahedron. Faces are flat: the sector is that of a regular prism with many sides.
+A triangle becomes a prism. In a sector, a triangle with one vertex on the axis becomes a pyramid,
+and one with two a tetrahedron. Faces are flat: the whole body has a regular polygon for
+each circle.
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ __all__ = ["SectorMesh", "SliceMesh"]
 def SectorMesh(plane, angle):
     """The sector 0 <= theta <= angle (radians) of the body whose half section (r, z) is `plane`.
 
-    Materials and boundaries of that mesh keep their names, but those on the axis vanish; "front"
+    Materials and boundaries of `plane` keep their names; boundaries on the axis vanish. "front"
     (y = 0) and "oblique" (theta = angle) are new.
     """
 
@@ -44,7 +45,7 @@ def _Swept(plane, Ends, back):
 
 
 def _Body(plane, body, Ends, back):
-    """The cells between both positions of the triangles; where these agree there is one point."""
+    """The cells between both positions of the triangles; a vertex on the axis is one point."""
     triangles = [[v.nr for v in el.vertices] for el in body.Elements()]
     numbers = sorted({nr for t in triangles for nr in t})
     at = np.array([plane.vertices[nr].point for nr in numbers])
@@ -58,7 +59,7 @@ def _Body(plane, body, Ends, back):
         a = _Counterclockwise([local[nr] for nr in triangle], at)
         cells.append(_Cell(a, moved, axis))
         directed |= {(a[k - 1], a[k]) for k in range(3)}
-        # Seen from outside: the section at y = 0 looks along -y.
+        # Seen from outside; the outer normal of the section at y = 0 is -y.
         faces.append(("front", tuple(a)))
         faces.append((back, tuple(int(moved[i]) for i in reversed(a))))
     for el in plane.Elements(BND):
@@ -80,11 +81,11 @@ def _Counterclockwise(triangle, at):
 
 
 def _Cell(a, moved, axis):
-    """Vertex numbers of the swept triangle, orientation as in `Cells` (first face from inside)."""
+    """Vertex numbers of the swept triangle, oriented as in `Cells` (first face from inside)."""
     on = [bool(axis[nr]) for nr in a]
     first = on.index(sum(on) == 1) if any(on) else 0  # the vertex that is unlike the others
     i, j, k = a[first:] + a[:first]
     p, q, r = (int(moved[nr]) for nr in (i, j, k))
-    if not any(on):  # (r, z) counter-clockwise is seen from -y: y grows away from there
+    if not any(on):  # (r, z) is counter-clockwise seen from -y, and y grows away from there
         return (i, j, k, p, q, r)
     return (j, q, r, k, i) if sum(on) == 1 else (i, j, k, p)
