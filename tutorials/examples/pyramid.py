@@ -1,8 +1,9 @@
-"""A square pyramid from an STL file is pressed into an elastic half-space, and cones beside it.
+"""Press a square pyramid from an STL file, and two cones, into an elastic half-space.
 
-A quarter of a large block stands for the half-space. The pyramid is that of a hardness test, but
-blunt, as the theory of half-spaces asks for. A cone with the angle beta from the axis needs the
-force (2/pi) E* depth^2 tan(beta) (Sneddon 1965); the pyramid lies between two. Start it with::
+A quarter of a large block stands for the half-space. The pyramid is like that of a hardness test,
+but blunt, because the theory of half-spaces requires it. A cone with the angle beta from the axis
+needs the force (2/pi) E* depth^2 tan(beta) (Sneddon 1965); the pyramid lies between two cones.
+Start it with::
 
     python tutorials/examples/pyramid.py --out results
 """
@@ -21,12 +22,12 @@ from ngslac.materials import Stress
 from ngslac.tools import Cone, FromSTL
 
 YOUNG, POISSON, FLANK, SIZE = 1.0, 0.3, math.radians(85), 40.0
-DEPTH = math.pi / 2 / math.tan(FLANK)  # of the contact of radius 1 of the cone
+DEPTH = math.pi / 2 / math.tan(FLANK)  # at which the contact of the cone has radius 1
 FORCE = 2 / math.pi * YOUNG / (1 - POISSON**2) * DEPTH**2 * math.tan(FLANK)  # Sneddon
 
 
 def Pyramid():
-    """From a text STL: upside down, its tip at 0, its flanks 85 degrees from the axis."""
+    """A pyramid from a text STL, upside down: its tip is at 0, its flanks 85 degrees off axis."""
     side = math.tan(FLANK)
     a, b, c, d = rim = [(side, side, 1), (-side, side, 1), (-side, -side, 1), (side, -side, 1)]
     facets = [((0, 0, 0), rim[(k + 1) % 4], rim[k]) for k in range(4)] + [(a, b, c), (a, c, d)]
@@ -41,7 +42,7 @@ def Pyramid():
 
 
 def QuarterBlock(h):
-    """Below z = 0, fine near the origin; "top", "x", "y" and "bottom"."""
+    """A quarter of a block below z = 0, fine near the origin; sides "top", "x", "y", "bottom"."""
     zone = Box((0, 0, -1.2), (1.7, 1.7, 0))
     zone.maxh = h
     block = Glue([zone, Box((0, 0, -SIZE), (SIZE, SIZE, 0)) - zone])
@@ -66,7 +67,7 @@ def Press(mesh, tool):
 
 
 def Run(h=0.25, out=None):
-    """Press the tools in: their forces over that of the cone on a half-space.
+    """Press the tools in, and divide their forces by that of the cone on a half-space.
 
     h : edge length in the contact zone
     """
