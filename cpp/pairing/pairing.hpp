@@ -63,7 +63,7 @@ template <int D>
 struct Pairing {
   Array<Segment> segments; // one more at the end marks the end of the points
   Array<PairPoint<D>> points;
-  Array<PairPoint<D>> corners; // of the overlap, without weights: for pictures
+  Array<PairPoint<D>> corners; // corners of the overlap, without weights: for pictures
   Array<RimPoint<D>> rim;
 
   size_t Size() const { return segments.Size() - 1; }

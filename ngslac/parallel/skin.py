@@ -122,7 +122,7 @@ class Trace:
     ----------
     space, copy : FESpace
     local, there : (k,) int
-        Rows of this process that are on the skin, too, and their numbers there.
+        Rows of this process that are on the skin, too, and their numbers on the skin.
     count, size : int
         Numbers of rows of this process, and of the skin.
     """

@@ -158,7 +158,7 @@ class CondensedSystem:
         return np.where(contact.islam, 0.0, image - contact.terms @ u)
 
     def Mult(self, z: PETSc.Vec, image: PETSc.Vec) -> None:
-        """image = A z"""
+        """Compute image = A z."""
         z.copy(self._work)
         self._Change(self._work, self._Projected)
         self.mat.mult(self._work, image)

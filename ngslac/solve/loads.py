@@ -74,7 +74,7 @@ def Values(load: LinearForm | BaseVector | None, space: FESpace, name: str = "rh
 
 
 def CheckNoMultiplierLoad(name: str, size: float, allowed: float) -> None:
-    """Refuse forces of bulk or loads in the rows of the multipliers: they would shift the gap.
+    """Refuse forces of the bulk form or of loads in rows of multipliers: they shift the gap.
 
     A `size` up to `allowed` counts as zero: reactions of an earlier solve contain as much.
     """

@@ -75,7 +75,7 @@ def test_an_assembly_is_paired_as_one_would(order):
 
 
 def grains(order=None, gap=0.002, n=3):
-    """A box of squares on a floor, in a random order of bodies."""
+    """A block of n x n squares on a floor; `order` is the seed of a random order of bodies."""
     parts = []
     for i in range(n):
         for j in range(n):

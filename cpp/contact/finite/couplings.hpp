@@ -39,7 +39,7 @@ Array<int> KeyOf(const MacroPoints<D> & points, const MacroPoints<D> * start, si
   return key;
 }
 
-/// Sets the coupling of a macro-element, unless it is the same as before; says whether it changed.
+/// Updates the coupling of a macro-element; returns whether it has changed.
 template <int D>
 bool UpdateCoupling(const Scene<D> & scene, const MacroPoints<D> * start, size_t macro, bool pushes,
                     Coupling & coupling) {
