@@ -46,6 +46,7 @@ class Globalization:
         self._seen, self._merits, self._tiny, self._leaps = {}, [], 0, 0
         self.cycles = self.damped = False  # a contact status came back; a line search is made
         self.unproven = None  # the Nearness of a step that only the next correction judges
+        self.returns = 0  # how many of these led away
 
     @property
     def stagnates(self) -> bool:
@@ -95,6 +96,7 @@ class Globalization:
     def TakeBack(self) -> Measurement:
         """Go back to where the last step began: it led away."""
         self._merits.pop()
+        self.returns += 1
         return self.unproven.Return()
 
     def Search(

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Nearness"]
 
-# Macro-elements of another status, as at both ends of a contact, which do not matter much.
-FEW = 2
+# Macro-elements of another status, as at both ends of a contact, which do not matter much, and how
+# much stretching makes the residual grow: yielding makes it grow by less, and the residual tells.
+FEW, MUCH = 2, 3.0
 
 
 class Nearness:
@@ -47,11 +48,12 @@ class Nearness:
         return self._Length(self.system.SimplifiedCorrection()) <= part * self._Length(self.way)
 
     def May(self, trial: Measurement) -> bool:
-        """Is it the bulk that raised the residual of the trial, and not another contact status?
+        """Does the residual of the trial look as where the bulk is stretched?
 
         Then the step may be taken, and the correction after it tells.
         """
-        return np.count_nonzero(trial.status != self.state.status) <= FEW
+        changed = np.count_nonzero(trial.status != self.state.status)
+        return changed <= FEW and trial.unbalance >= MUCH * self.state.unbalance
 
     def LedAway(self, correction: np.ndarray) -> bool:
         """Is the correction after the step longer than the step?"""

@@ -143,7 +143,8 @@ class Newton:
             state = self.Confirmed(state)
             self.Record(state, damping)
         # A residual that falls no more is at a minimum.
-        if self.globalization.stagnates and Unchanged(self.history) and not self.onpath:
+        ways = self.globalization
+        if ways.stagnates and not ways.returns and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
 
@@ -314,10 +315,11 @@ class Newton:
         return trial, damping
 
     def _BendsHeld(self) -> bool:
-        """Is the bulk nonlinear, and do others than contact hold all of it, without a motion?"""
+        """Do bodies bend that others than contact hold, and is there no motion left?"""
         system = self.system
+        bends = not system.islinear and system.contacts[0].components > 1
         held = not (system.bodies.floating or system.loose or system.ground or system.residual.drag)
-        return held and system.motion is None and not system.islinear
+        return bends and held and system.motion is None
 
     def _Stick(
         self, state: Measurement, move: Callable[[float], Measurement]

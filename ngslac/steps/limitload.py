@@ -22,8 +22,6 @@ SHORT, ROUNDS, STRAIGHT = 2.0**-6, 4, 0.2
 IDLE = 1e-6
 # Part of the way to the limit that a step goes, and of the step asked for that is near to it.
 SAFE, NEAR = 0.7, 1 / 48
-# Part of the added load which is as good as all of it.
-ALL = 0.9
 # How far beyond a limit that is near the step goes which has to fail if it is one.
 BEYOND = 3.0
 # Solves that end at a tangent without resistance, of which the last one may be believed.
@@ -174,8 +172,7 @@ class LimitLoad:
                 return
             at.append(np.where(residual.displacements, residual.scaled, 0.0))
         left, push = float(at[1] @ at[1]), float(at[1] @ (at[1] - at[0]))
-        # Where all of it is left, steps have been too short to tell.
-        self._fold = 0.1 * push < left < ALL * push
+        self._fold = 0.1 * push < left < 2 * push
         if self._fold:
             self.folds += 1
             _, motion = self._Tangent()
