@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ngslac.solve.search import FAILURES, NEARER, POLISH
+from ngslac.solve.statussearch import FAILURES, NEARER, POLISH
 
 if TYPE_CHECKING:
     from ngslac.errors import ContactConvergenceError, LinearSolveError

@@ -26,7 +26,7 @@ class Nearness:
     A step moves along a tangent, and a thin body that bends is stretched on the way. It resists
     stretching so much more than bending that the residual grows, even a thousandfold, where the
     solution is near. Corrections are lengths, which know that (Deuflhard, Newton Methods for
-    Nonlinear Problems, 2004, section 3.1).
+    Nonlinear Problems, 2004).
 
     Parameters
     ----------

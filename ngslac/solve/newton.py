@@ -20,8 +20,8 @@ from ngslac.solve.iteration import Iteration, Log, MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
 from ngslac.solve.nearness import Nearness
 from ngslac.solve.relaxation import Relaxation
-from ngslac.solve.search import FAILURES, StatusSearch
 from ngslac.solve.stability import UnstableError
+from ngslac.solve.statussearch import FAILURES, StatusSearch
 
 if TYPE_CHECKING:
     from ngslac.solve.residual import Measurement

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ngslac.solve.search import FAILURES
+from ngslac.solve.statussearch import FAILURES
 
 if TYPE_CHECKING:
     from ngslac.solve.iteration import Iteration

@@ -22,7 +22,8 @@ made.solver().Solve(**QUIET)  # which starts PETSc, whose end waits for all
 (contact,) = made.contacts
 last = comm.rank == comm.size - 1
 if end in ("error", "alone") and last:
-    farewell.GRACE = 2.0
+    if end == "alone":
+        farewell.GRACE = 2.0
     raise KeyError("of the user")
 if end == "alone":
     comm.Barrier()
