@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 from parallel_start import ENVIRONMENT, OPTIONS, missing
@@ -15,11 +16,17 @@ pytestmark = pytest.mark.skipif(missing() is not None, reason=f"distributed runs
 
 
 def ended(how):
-    """The exit status of a script on three processes, and what it said."""
-    start = ["mpiexec", *OPTIONS, "-n", "3", sys.executable, str(SCRIPT), how]
-    environment = os.environ | ENVIRONMENT
-    done = subprocess.run(start, capture_output=True, text=True, env=environment, timeout=LIMIT)
-    return done.returncode, done.stderr
+    """The exit status of a script on three processes, and what it said.
+
+    Each process has a file for that: of what is printed at the end, mpiexec may lose a part.
+    """
+    with TemporaryDirectory() as folder:
+        ranked = ["sh", "-c", f'exec "$@" 2> {folder}/$OMPI_COMM_WORLD_RANK', "sh"]
+        start = ["mpiexec", *OPTIONS, "-n", "3", *ranked, sys.executable, str(SCRIPT), how]
+        environment = os.environ | ENVIRONMENT
+        done = subprocess.run(start, capture_output=True, text=True, env=environment, timeout=LIMIT)
+        said = [file.read_text() for file in Path(folder).iterdir()]
+    return done.returncode, "".join([*said, done.stderr])
 
 
 @pytest.mark.parametrize(
