@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Nearness"]
 
-# Macro-elements of another status, as at both ends of a contact, which do not matter much, and how
+# Closed macro-elements that are so few that their status does not matter much, and how
 # much stretching makes the residual grow: yielding makes it grow by less, and the residual tells.
 FEW, MUCH = 2, 3.0
 
@@ -52,8 +52,10 @@ class Nearness:
 
         Then the step may be taken, and the correction after it tells.
         """
-        changed = np.count_nonzero(trial.status != self.state.status)
-        return changed <= FEW and trial.unbalance >= MUCH * self.state.unbalance
+        before, now = self.state.status, trial.status
+        closed = max(np.count_nonzero(before), np.count_nonzero(now))
+        steady = closed <= FEW or np.array_equal(before, now)
+        return steady and trial.unbalance >= MUCH * self.state.unbalance
 
     def LedAway(self, correction: np.ndarray) -> bool:
         """Is the correction after the step longer than the step?"""
