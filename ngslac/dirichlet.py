@@ -21,7 +21,7 @@ def KeepPatterns() -> None:
     treated = FESpace.__special_treated_flags__
 
     def Treated() -> dict[str, Callable]:
-        """What NGSolve does with flags, and a note of the pattern of Dirichlet conditions."""
+        """Return NGSolve's treatment of flags, which now keeps patterns of Dirichlet conditions."""
         known = dict(treated())
         replace = known[FLAG]
 
@@ -55,7 +55,7 @@ def Blame(error: Exception, words: str) -> None:
 
 
 def _Words(mesh: Mesh, name: str, condition: Region | str) -> str:
-    """What a condition misses, in words; "" where it holds all that it names."""
+    """Describe the boundaries that a condition does not find; "" if it finds all of them."""
     vb, what = next(kind for end, kind in KINDS.items() if name.endswith(end))
     if isinstance(condition, Region):
         dead, shown = [] if condition.Mask().NumSet() else [""], "<Region>"

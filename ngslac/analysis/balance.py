@@ -434,7 +434,7 @@ class ContactPoints:
     def _SetViolation(
         self, contact: LACContact, balance: Balance, table: dict[str, np.ndarray]
     ) -> None:
-        """What points of the surfaces have against the conditions of contact, and its work."""
+        """Set how far points of the surfaces violate the conditions of contact, and its work."""
         surface, normal = self.surface, self.normal
         jump = surface.Jump(Moved(contact, balance))
         mean = self._Mean(jump)

@@ -74,7 +74,7 @@ class Certificate:
 
 
 def _Words(what: str, excess: Excess | None, whole: str) -> str:
-    """What is left of one condition, as part of a line."""
+    """Describe how far one condition is violated, as part of a line."""
     if excess is None:
         return f"{what} none"
     return (

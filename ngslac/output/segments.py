@@ -85,7 +85,7 @@ class Segments:
         return Write(path, VTUText(points, ends, VTK_POLYGON, arrays))
 
     def _GetWebguiData(self) -> dict[str, Any]:
-        """What the webgui draws: lines."""
+        """Return lines for the webgui."""
         if self.slave_points.ndim == 3:
             lines = np.stack([self.slave_points, self.master_points], axis=2)
             lines = np.pad(lines.reshape(-1, 2, 2), ((0, 0), (0, 0), (0, 1)))

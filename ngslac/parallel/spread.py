@@ -105,7 +105,7 @@ class Spread(np.ndarray):
     def __array_ufunc__(
         self, ufunc: np.ufunc, method: str, *inputs, out: tuple | None = None, **options
     ) -> Any:
-        """What NumPy's operators and functions of numbers do."""
+        """Apply an operator of NumPy, or a function of numbers."""
         if ufunc is np.matmul:
             return Product(*inputs)
         rows = next(part for part in (*inputs, *(out or ())) if isinstance(part, Spread))
@@ -124,7 +124,7 @@ class Spread(np.ndarray):
     def __array_function__(
         self, function: Callable, types: Iterable[type], args: Sequence, options: dict[str, Any]
     ) -> Any:
-        """What NumPy's other functions do."""
+        """Apply another function of NumPy, or refuse it."""
         if function in FUNCTIONS:
             return FUNCTIONS[function](*args, **options)
         if function in LOCAL:

@@ -6,8 +6,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ngslac.bodies.messages import DrivenMessage, FloatingMessage, OwnLawMessage
 from ngslac.bodies.rigidbalance import RigidBalance
 from ngslac.errors import ContactConvergenceError, FloatingBodyError, LinearSolveError, Reason
@@ -16,7 +14,7 @@ from ngslac.solve.look import MechanismError
 if TYPE_CHECKING:
     from ngslac.solve.holding import Holding
     from ngslac.solve.iteration import Iteration
-    from ngslac.solve.system import System
+    from ngslac.solve.system import Configuration, System
 
 __all__ = ["CarriedOff", "Failure"]
 
@@ -36,7 +34,7 @@ class Failure:
 
     def LookAt(
         self,
-        start: tuple[np.ndarray, np.ndarray | None],
+        start: Configuration,
         error: ContactConvergenceError | LinearSolveError,
         *,
         lost: bool,
@@ -44,9 +42,7 @@ class Failure:
         """From the start again: raise the error if the loads have no equilibrium for certain."""
         system = self.system
         now = system.Place()
-        system.GoTo(start)
-        system.Measure()
-        system.Evaluate()
+        system.Visit(start)
         if lost and not self.holding.MayHold():
             self.reason |= Reason.EXHAUSTED | Reason.UNHELD
             self.unbalanced, self.slides = self._Unheld(error), ""

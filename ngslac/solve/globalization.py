@@ -118,7 +118,8 @@ class Globalization:
                 best = trial, damping
             if best[0].finite and (moving or halving >= self._Halvings(*best)):
                 break
-            if nearness and trial.finite and self._Leads(nearness, trial, damping, whole):
+            judged = nearness and trial.finite and halving <= self.SHORT
+            if judged and self._Leads(nearness, trial, damping, whole):
                 best = trial, damping
                 break
             damping /= 2
@@ -130,11 +131,11 @@ class Globalization:
     def _Leads(self, nearness: Nearness, trial: Measurement, damping: float, whole: bool) -> bool:
         """Does a part of a step lead nearer to the solution, or may it?
 
-        `whole`: there is a residual all along the step.
+        `whole`: longer parts have a residual, too.
         """
         if nearness.Nears(damping):
             return True
-        if whole and not self.damped and damping >= 0.5**self.SHORT and nearness.May(trial):
+        if whole and not self.damped and nearness.May(trial):
             self.unproven = nearness
         return self.unproven is not None
 

@@ -15,9 +15,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Nearness"]
 
-# Closed macro-elements that are so few that their status does not matter much, and how
-# much stretching makes the residual grow: yielding makes it grow by less, and the residual tells.
-FEW, MUCH = 2, 3.0
+# Closed macro-elements that are so few that their status does not matter much.
+FEW = 2
+# How much stretching makes the residual grow, at least. Yielding makes it grow by less, and there
+# residuals judge better.
+MUCH = 3.0
 
 
 class Nearness:
@@ -48,7 +50,7 @@ class Nearness:
         return self._Length(self.system.SimplifiedCorrection()) <= part * self._Length(self.way)
 
     def May(self, trial: Measurement) -> bool:
-        """Does the residual of the trial look as where the bulk is stretched?
+        """Has the residual of the trial grown as it does where the bulk is stretched?
 
         Then the step may be taken, and the correction after it tells.
         """
@@ -63,10 +65,7 @@ class Nearness:
 
     def Return(self) -> Measurement:
         """Go back to where the step began."""
-        self.system.GoTo(self.place)
-        state = self.system.Measure()
-        self.system.Evaluate()
-        return state
+        return self.system.Visit(self.place)
 
     def _Length(self, values: np.ndarray) -> float:
         """Of the displacements."""

@@ -25,7 +25,7 @@ from ngslac.solve.statussearch import FAILURES, StatusSearch
 
 if TYPE_CHECKING:
     from ngslac.solve.residual import Measurement
-    from ngslac.solve.system import System
+    from ngslac.solve.system import Configuration, System
 
 __all__ = ["Newton"]
 
@@ -143,8 +143,8 @@ class Newton:
             state = self.Confirmed(state)
             self.Record(state, damping)
         # A residual that falls no more is at a minimum.
-        ways = self.globalization
-        if ways.stagnates and not ways.returns and Unchanged(self.history) and not self.onpath:
+        steps = self.globalization
+        if steps.stagnates and not steps.returns and Unchanged(self.history) and not self.onpath:
             self.stuck = self.system.values.copy()
         raise self.NotConverged(state)
 
@@ -284,14 +284,15 @@ class Newton:
         correction = system.Correction(
             system.Linearize(state, convex=convex), self._Accuracy(state)
         )
-        unproven, takes_back = self.globalization.unproven, False
-        if unproven and not convex and unproven.LedAway(correction):
-            state, correction, takes_back = self.globalization.TakeBack(), unproven.way, True
+        unproven = None if convex else self.globalization.unproven
+        led_away = unproven is not None and unproven.LedAway(correction)
+        if led_away:
+            state, correction = self.globalization.TakeBack(), unproven.way
         start = vec.CreateVector()
         start.data = vec
         longest = system.Sight(correction)
         way = longest * correction
-        judged = self._BendsHeld() and not (convex or takes_back)
+        judged = self._BendsHeld() and not (convex or led_away)
         nearness = Nearness(system, state, way) if judged else None
 
         def move(part: float) -> Measurement:
@@ -382,7 +383,7 @@ class Newton:
         slips = [np.linalg.norm(c.Table()["slip"], axis=1) / c._Sizes() for c in contacts]
         return max((np.max(slip) for slip in slips), default=0.0) > STRAYED
 
-    def _IsPushedFrom(self, start: tuple[np.ndarray, np.ndarray | None]) -> bool:
+    def _IsPushedFrom(self, start: Configuration) -> bool:
         """Do loads carry a body off from that solution? Contacts are as they are afterwards."""
         now = self.system.Place()
         self.system.values[:] = start[0]
@@ -391,9 +392,7 @@ class Newton:
         self.system.Measure()
         return bool(carried)
 
-    def _Reach(
-        self, start: tuple[np.ndarray, np.ndarray | None]
-    ) -> tuple[np.ndarray, float] | None:
+    def _Reach(self, start: Configuration) -> tuple[np.ndarray, float] | None:
         """How far from the start Newton's method may carry several loose bodies that rub."""
         system = self.system
         if not (system.islinear and system.rubs and len(system.bodies.floating) >= SEVERAL):
@@ -405,8 +404,8 @@ class Newton:
         self,
         error: ContactConvergenceError | LinearSolveError,
         maxit: int,
-        start: tuple[np.ndarray, np.ndarray | None],
-        found: tuple[np.ndarray, np.ndarray | None] | None,
+        start: Configuration,
+        found: Configuration | None,
     ) -> Iteration:
         """The last line of another method, from the start again; else what Newton's found."""
         system, failure, self.reach = self.system, self.failure, None
@@ -445,7 +444,7 @@ class Newton:
         self,
         error: ContactConvergenceError | LinearSolveError,
         maxit: int,
-        start: tuple[np.ndarray, np.ndarray | None],
+        start: Configuration,
     ) -> Iteration:
         """The last line of what finds the contact status by a path, or lets bodies come to rest."""
         system = self.system
@@ -472,7 +471,7 @@ class Newton:
     def _Relax(
         self,
         error: ContactConvergenceError | LinearSolveError,
-        start: tuple[np.ndarray, np.ndarray | None],
+        start: Configuration,
     ) -> Iteration:
         """The last line where loose bodies have come to rest."""
         system = self.system

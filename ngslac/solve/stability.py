@@ -13,7 +13,7 @@ from ngslac.errors import ContactConvergenceError
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-    from ngslac.solve.system import System
+    from ngslac.solve.system import Configuration, System
 
 __all__ = ["Stability", "UnstableError"]
 
@@ -30,7 +30,7 @@ LENGTH = 1e-3
 class UnstableError(ContactConvergenceError):
     """Energy falls along a `push` (n,) out of the equilibrium at a `place`."""
 
-    def __init__(self, place: tuple[np.ndarray, np.ndarray | None], push: np.ndarray):
+    def __init__(self, place: Configuration, push: np.ndarray):
         super().__init__(
             "the equilibrium is unstable, as a law softens: is the sign of its traction right?"
         )

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -40,7 +41,10 @@ if TYPE_CHECKING:
     from ngslac.solve.newton import Newton
     from ngslac.solve.relaxation import Drag
 
-__all__ = ["Saddle", "System"]
+__all__ = ["Configuration", "Saddle", "System"]
+
+# Values (n,) of a solution, and the motion (n,) that is left, or None.
+Configuration = tuple[np.ndarray, np.ndarray | None]
 
 # Shorter parts of a step may lead macro-elements off the master.
 LEAST_SIGHT = 1 / 8
@@ -209,13 +213,32 @@ class System:
         for contact, part in zip(self.contacts, parts, strict=True):
             contact.SetState(part, self.gf)
 
-    def Place(self) -> tuple[np.ndarray, np.ndarray | None]:
+    def Place(self) -> Configuration:
         """Solution and what is left of the motion, for `GoTo`."""
         return self.values.copy(), self.motion
 
-    def GoTo(self, place: tuple[np.ndarray, np.ndarray | None]) -> None:
+    def GoTo(self, place: Configuration) -> None:
         """Take the solution of another `Place`."""
         self.values[:], self.motion = place
+
+    def Visit(self, place: Configuration) -> Measurement:
+        """Go to another `Place`, and let contacts look at it: the Measurement there."""
+        self.GoTo(place)
+        state = self.Measure()
+        self.Evaluate()
+        return state
+
+    @contextmanager
+    def _AtStart(self) -> Iterator[None]:
+        """Contacts are where the solve began, in this context."""
+        now = self.Place()
+        self.values[:] = self._start
+        self.residual.Follow()
+        self.Evaluate()
+        try:
+            yield
+        finally:
+            self.Visit(now)
 
     def Tell(self) -> None:
         """Warn of the notes, unless the solution before had the same ones."""
@@ -247,14 +270,9 @@ class System:
         ends = [(c, np.ptp(t["x"], axis=0).max(), t["status"] == 0) for c, t in tables]
         if not ends or self.Way(self._start) <= min(size for _, size, _ in ends):
             return None
-        now, motion = self.Place(), self.values - self._start
-        self.values[:] = self._start
-        self.residual.Follow()
-        self.Evaluate()
-        way, place = max((WayThrough(*end, motion) for end in ends), key=lambda found: found[0])
-        self.GoTo(now)
-        self.Measure()
-        self.Evaluate()
+        motion = self.values - self._start
+        with self._AtStart():
+            way, place = max((WayThrough(*end, motion) for end in ends), key=lambda found: found[0])
         return (way, place) if way > 0 else None
 
     def PassedTool(self) -> np.ndarray | None:
@@ -262,14 +280,8 @@ class System:
         contacts = [c for c in self.contacts if c.tool and c.active and not len(c.form.ToolDofs())]
         if not contacts or self.Way(self._start) <= np.min(self.Sizes()):
             return None
-        now = self.Place()
-        self.values[:] = self._start
-        self.residual.Follow()
-        self.Evaluate()
-        begins = [contact.Table()["x"] for contact in contacts]
-        self.GoTo(now)
-        self.Measure()
-        self.Evaluate()
+        with self._AtStart():
+            begins = [contact.Table()["x"] for contact in contacts]
         places = (ThroughTool(c, begin) for c, begin in zip(contacts, begins, strict=True))
         return next((place for place in places if place is not None), None)
 

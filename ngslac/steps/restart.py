@@ -321,7 +321,7 @@ def _Fingerprint(space: FESpace) -> str:
 
 
 def _Kind(contact: LACContact) -> str:
-    """What a saved state of a contact fits to, in words."""
+    """Describe the contacts that a saved state of this one fits to."""
     sliding = "finite" if contact.finite else "small"
     setup = contact._state.setup
     sides = {"master": "a master", "tool": "a tool", "obstacle": "an obstacle"}
@@ -386,7 +386,7 @@ class _Stored:
 
 
 def _Also(things: dict[str, GridFunction | BaseVector | Parameter] | None) -> dict[str, _Stored]:
-    """What else is saved, each with what puts its values back."""
+    """Check the things that a user saves besides, and return a `_Stored` for each."""
     things = {} if things is None else things
     CheckInstance("also", things, dict, "a dict of names and GridFunctions")
     for name in things:

@@ -130,11 +130,8 @@ def Run(h=0.3, order: Literal[2, 3] = 2, friction: NotNegative = 0.3, steps=80, 
 def Forces(figures):
     """The forces (lines) beside the published ones: circles vertical, squares horizontal."""
     curves, time = {}, figures["time"]
-    for name, (vertical, horizontal) in PUBLISHED.items():
-        curves |= {
-            name: (TIMES, vertical, "o"),
-            f"_{name}": (TIMES, horizontal, "s"),
-        }
+    for k, (name, (vertical, horizontal)) in enumerate(PUBLISHED.items()):
+        curves |= {name: (TIMES, vertical, f"C{k}o"), f"_{name}": (TIMES, horizontal, f"C{k}s")}
     for name, style in (("vertical_force", "k-"), ("horizontal_force", "k--")):
         curves[name] = time, figures[name], style
     return Curves("time (1: indented by 1 mm, 2: moved by 10 mm)", "force [N/mm]", **curves)
