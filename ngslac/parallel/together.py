@@ -272,11 +272,8 @@ def OnAll(find: Callable) -> Callable[[Called], Called]:
     """
 
     def Decorate(function: Called) -> Called:
-        """The function as a call that all processes make."""
-
         @wraps(function)
         def Everywhere(*args, **options) -> Any:
-            """The function, in a call that all processes make."""
             try:
                 mesh = find(*args, **options)
             except TypeError:  # a wrong call, which the function refuses

@@ -72,7 +72,8 @@ class Measurement:
     def LostSight(self, before: Measurement, moved: float) -> bool:
         """Did a macro-element lose a partner that a step may have moved it through?
 
-        `moved` is how far it moved anything: where the partner is farther, it has turned away.
+        `moved` is how far it moved anything. Where a partner was farther away than both may have
+        moved, the macro-element has turned away from it.
         """
         lost = self.covered < 0.5 * before.covered
         return bool(np.any(before.gaps[lost] <= 2 * moved))

@@ -219,21 +219,18 @@ class Sphere:
         columns = {
             key: [np.nan if row[key] is None else row[key] for row in rows] for key in rows[0]
         }
-        start, number = (
-            {key: [0, *values] for key, values in columns.items()},
-            range(1, 1 + len(rows)),
-        )
-        curves = {"exact": (*(start[key] for key in exact), "k-")}
-        curves["computed"] = *(start[key] for key in curve), "o"
+        curves = {
+            label: (*([0, *columns[key]] for key in keys), style)
+            for label, keys, style in (("exact", exact, "k-"), ("computed", curve, "o"))
+        }
+        number = range(1, 1 + len(rows))
         styles = {"stick_ratio_exact": "k_", "stick_ratio": "o", "stick_ratio_fit": "x"}
         stick = {key: (number, columns[key], style) for key, style in styles.items()}
         hertz = self.Hertz(self.states[-1].force[2])
         r = np.linspace(0, 1.2 * hertz.contact_radius, 300)
         bound = {"friction times Hertz' pressure": (r, self.friction * hertz.Pressure(r), "k")}
-        at, size = (
-            np.linalg.norm(v, axis=1) for v in (self.faces.middle, self.states[-1].traction)
-        )
-        bound["computed"] = at, size, "."
+        distance = np.linalg.norm(self.faces.middle, axis=1)
+        bound["computed"] = distance, np.linalg.norm(self.states[-1].traction, axis=1), "."
         Show(out, name, self.displacement, Curves(*curve, **curves),
              Curves("step", "radius of stick / contact radius", **stick),
              Curves("distance from the middle [mm]", "traction [MPa]", **bound),
