@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["Direct"]
 
 SAFE = "umfpack"
+# Residual over the product of what it is the difference of, matrix and solution, that is rounding.
+ROUNDING = 1e-15
 
 
 class Direct(Method):
@@ -56,11 +58,19 @@ class Direct(Method):
         """See Method."""
         symmetric = system.alone and self._IsSymmetric(system)
         names = dict.fromkeys((self._cholesky if symmetric else self.inverse, SAFE))
-        solve = partial(self._Solve, system, b, symmetric)
-        x, error, name = FirstGood((name, partial(solve, name), self.tolerance) for name in names)
+        solve, good = partial(self._Solve, system, b, symmetric), partial(self._IsGood, system, b)
+        x, error, name = FirstGood((name, partial(solve, name), good) for name in names)
         if name == SAFE and not symmetric:
             self.inverse = SAFE
         return x, error
+
+    def _IsGood(self, system: LinearSystem, b: np.ndarray, x: np.ndarray, error: float) -> bool:
+        """Is the residual small, or are other factors of no use?
+
+        What hardly anything holds moves so far that its residual is all rounding.
+        """
+        size = np.linalg.norm(system.matrix.AsVector().FV().NumPy()) * np.linalg.norm(x)
+        return error <= self.tolerance or error * np.linalg.norm(b) <= ROUNDING * size
 
     def _IsSymmetric(self, system: LinearSystem) -> bool:
         if self._symmetric[0] != system.number:

@@ -17,20 +17,21 @@ EXACT, ROUNDS = 1e-13, 4
 
 
 def FirstGood(
-    attempts: Iterable[tuple[str, Callable[[], tuple[Any, float]], float]],
+    attempts: Iterable[tuple[str, Callable[[], tuple[Any, float]], Callable[[Any, float], bool]]],
 ) -> tuple[Any, float, str | None]:
     """The first good solution of several attempts, or the best one if that is acceptable.
 
-    An attempt is a name, a function, and the residual that is good.
+    An attempt is a name, a function that returns a solution and its residual, and one that tells
+    whether they are good.
     """
     errors, best = [], (None, np.inf)
-    for name, solve, tolerance in attempts:
+    for name, solve, good in attempts:
         try:
             x, error = solve()
         except (RuntimeError, NgException, np.linalg.LinAlgError) as failure:  # or a library's
             errors.append(f"{name}: {failure}")
             continue
-        if error <= tolerance:
+        if good(x, error):
             return x, error, name
         errors.append(f"{name}: relative residual {error:.1e}")
         if error < best[1]:

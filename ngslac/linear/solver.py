@@ -117,7 +117,7 @@ class LinearSolver:
         system = replace(system, bits=self.bits, merged=self._merged)
         b = system.scale * system.rhs * system.free
         attempts = [
-            (link.name, partial(link.method.Solve, system, b), self._Tolerance(link, system))
+            (link.name, partial(link.method.Solve, system, b), partial(self._IsGood, link, system))
             for link in self._links
             if link.method.serves_alone or not system.alone
         ]
@@ -130,8 +130,8 @@ class LinearSolver:
             self._LearnFrom(name, system)
         return system.scale * x
 
-    def _Tolerance(self, link: Link, system: LinearSystem) -> float:
-        return max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)
+    def _IsGood(self, link: Link, system: LinearSystem, _: np.ndarray, error: float) -> bool:
+        return error <= max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)
 
     def _LearnFrom(self, name: str, system: LinearSystem) -> None:
         """A method has served: an iteration that comes before it has not."""
