@@ -45,3 +45,9 @@ def pytest_collection_modifyitems(items):
     items.sort(key=Rank)
     MarkFull(items)
     MarkSlow(items)
+
+
+@pytest.fixture
+def whole_systems(monkeypatch):
+    """Contact conditions are not solved on the surfaces alone, which leaves more to be seen."""
+    monkeypatch.setattr("ngslac.solve.system.System.ContactCorrection", lambda *_: None)

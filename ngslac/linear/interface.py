@@ -75,6 +75,13 @@ class Interface(Method):
         interface = InterfaceSystem(kept, blocks, self.dim)
         return Refine(interface.Solve, lambda x: b - blocks.Times(x) - kept.Times(x), b)
 
+    def Compliance(self, system: LinearSystem, b: np.ndarray) -> Compliance:
+        """See Method."""
+        if self._fails:
+            raise LinearSolveError("the bulk is not factored")
+        blocks = Blocks(system, system.free)
+        return Compliance(self._Kept(system, blocks), blocks, b)
+
     def _Kept(self, system: LinearSystem, blocks: Blocks) -> GroundedBulk:
         """The GroundedBulk; where bodies slip, systems with and without a shift take turns."""
         displacements = system.free
@@ -90,6 +97,35 @@ class Interface(Method):
             kept.Schur(blocks.forces)
             self._kept[key], self._fails = kept, False
         return self._kept[key]
+
+
+class Compliance:
+    """How the bulk follows what acts on the interface: C^T u = start - matrix x.
+
+    Attributes
+    ----------
+    matrix : (k, k) array
+        C^T K^-1 C of all multipliers, and of the springs after them.
+    start : (k,) array
+        C^T u under the right side alone.
+    spring : float
+        Stiffness of these springs.
+    """
+
+    spring = SPRING
+
+    def __init__(self, kept: GroundedBulk, blocks: Blocks, b: np.ndarray):
+        self.multipliers = blocks.multipliers
+        self.forces = blocks.forces
+        self.schur, self.matrix = kept.Schur(blocks.forces)
+        self._begin = self.schur.Forward(b)
+        self.start = self.schur.Trace(self._begin)
+
+    def Solution(self, x: np.ndarray) -> np.ndarray:
+        """The solution (n,), multipliers included, with x (k,)."""
+        solution = self.schur.Solve(self._begin, x)
+        solution[self.multipliers] = x[: len(self.multipliers)]
+        return solution
 
 
 class InterfaceSystem:

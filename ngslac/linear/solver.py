@@ -9,6 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve import BaseMatrix, BitArray
 
 from ngslac.arrays import AsNumPy
@@ -129,6 +130,19 @@ class LinearSolver:
             self.nearly_singular = False
             self._LearnFrom(name, system)
         return system.scale * x
+
+    def Compliance(self, system: LinearSystem) -> object | None:
+        """How the bulk of a LinearSystem follows what acts on the interface, see `Interface`."""
+        link = self._links[0]
+        if self.inner or link.name != "interface":
+            return None
+        system = replace(system, bits=self.bits, merged=self._merged)
+        b = system.scale * system.rhs * system.free
+        b[system.multipliers] = 0
+        try:
+            return link.method.Compliance(system, b)
+        except (RuntimeError, NgException):
+            return None
 
     def _IsGood(self, link: Link, system: LinearSystem, _: np.ndarray, error: float) -> bool:
         return error <= max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)

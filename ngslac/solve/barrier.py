@@ -170,9 +170,9 @@ class Tie:
     def __init__(self, traction: np.ndarray, stiffness: np.ndarray):
         self.traction, self.stiffness = traction.copy(), TIE * stiffness
 
-    def Place(self, jump: np.ndarray) -> None:
-        """Take the jumps (n, d) of another displacement."""
-        self.jump = jump
+    def Place(self, normal: np.ndarray, gap: np.ndarray, slip: np.ndarray) -> None:
+        """Take gaps (n,) and slips (n, d) of another displacement, which are jumps together."""
+        self.jump = slip - gap[:, None] * normal
 
     def Stiffness(self) -> np.ndarray:
         """How tractions follow the jump: (n, d, d)."""

@@ -31,6 +31,12 @@ __all__ = ["Newton"]
 
 # Iterations of a first solve that are many, and the ratio of Poisson from which on that is why.
 LONG, RUBBER = 20, 0.485
+# Steps in which all is settled after the contact conditions of a linear bulk have been solved.
+SETTLES = 8
+# How often the contact conditions of a linearised problem may have no solution that is found.
+MOST_TRIES = 2
+# Residual from which on Newton's steps are the best ones, whatever changes.
+NEAR = 1e-3
 # Newton's steps where a law of one's own may soften, unless they get on.
 OWN = 15
 # Linear solves that have to be left for another method to be tried.
@@ -73,6 +79,8 @@ class Newton:
         self.system, self.log, self.tol, self.path = system, log, log.tol, path
         self.globalization, self.holding = Globalization(), Holding(system, initial)
         self.failure = Failure(system, self.holding)
+        self.tries = 0  # that found no way to obey the contact conditions
+        self.settled = True  # is the state the one of all solutions that is nearest to the start?
         self.onpath = False  # another method looks for the status: none is guessed
         self.reach = None  # values (n,), and how far from there bodies may fly
         self.stuck = None  # the solution where the residual has a minimum that is not zero
@@ -93,12 +101,11 @@ class Newton:
         start, found = system.Place(), None
         self.falls = self._Falls()
         try:
-            if self.holding.Close(start=True):
-                state = system.Measure()
-            self.Record(state)
-            self.reach = self._Reach(start)
-            most = OWN if system.own_law else system.scheme.most
-            last = self.Iterate(state, min(maxit, most), maxit)
+            if (last := self._OnSurfaces(state)) is None:
+                state = self._Closed(state)
+                self.reach = self._Reach(start)
+                most = OWN if system.own_law else system.scheme.most
+                last = self.Iterate(state, min(maxit, most), maxit)
             if not (system.residual.drowned and (self._Strays() or self._IsPushedFrom(start))):
                 return last
             found = system.Place()
@@ -108,6 +115,52 @@ class Newton:
             raise
         except FAILURES as error:
             return self._Otherwise(error, maxit, start, found)
+
+    def _Closed(self, state: Measurement) -> Measurement:
+        """The first state, noted, with what has to hold bodies closed."""
+        if self.holding.Close(start=True):
+            state = self.system.Measure()
+        self.Record(state)
+        return state
+
+    def _OnSurfaces(self, state: Measurement) -> Iteration | None:
+        """The last line where nothing but contact is nonlinear, and its conditions are solved.
+
+        None, and back, where that is not found, or does not lead to a solution at once.
+        """
+        system, number = self.system, len(self.history)
+        suits = system.scheme.searches and self.holding.initial == "gap" and system.islinear
+        if not suits or self.Converged(state):
+            return None
+        idle, start = system.Freedom("rubbing").Others(), system.Place()
+        correction = system.ContactCorrection(system.Linearize(state))
+        if correction is None:
+            return None
+        system.values[:] -= correction
+        after = system.Trial(state, 1.0, correction)
+        if after.finite and idle:
+            system.PutBack(idle, start[0])
+            after = system.Measure()
+        self.settled = not (after.finite and system.Freedom("rubbing"))
+        last = None
+        if after.finite and (self.settled or self._Stays()):
+            end = system.Place()
+            self.Record(system.Visit(start))
+            system.GoTo(end)
+            system.Moved(state, system.Measure(), -correction, 1.0)
+            after = self.Confirmed(system.Measure())
+            self.Record(after)
+            last = self.Polish(after, SETTLES)
+        if last is None:
+            del self.history[number:]
+            self.settled = True
+            system.ForgetBodies()
+            system.Visit(start)
+        return last
+
+    def _Stays(self) -> bool:
+        """Has no body moved farther than what is driven, by a macro-element?"""
+        return self.system.Flight() <= np.max(self.system.Sizes())
 
     def _Falls(self) -> bool:
         """Do loose bodies have a way to fall before large sliding sees what holds them?"""
@@ -140,6 +193,7 @@ class Newton:
             if len(self.history) > 1:
                 self.system.Assemble()
             state, damping = self._Step(state)
+            self.settled = True
             state = self.Confirmed(state)
             self.Record(state, damping)
         # A residual that falls no more is at a minimum.
@@ -225,7 +279,7 @@ class Newton:
     def Converged(self, state: Measurement) -> bool:
         """Is it the solution?"""
         done = state.equilibrium < self.tol and state.constraint < self.tol
-        return done and self.system.motion is None
+        return done and self.settled and self.system.motion is None
 
     def Confirmed(self, state: Measurement) -> Measurement:
         """The state, by the bulk's own residual where it looks converged or hopeless."""
@@ -281,9 +335,7 @@ class Newton:
         """The Measurement after a step, and the part of it; `convex`: of a `Descent`."""
         system, vec = self.system, self.system.gf.vec
         system.scheme.Prepare(self, state)
-        correction = system.Correction(
-            system.Linearize(state, convex=convex), self._Accuracy(state)
-        )
+        correction, obeys = self._Correction(state, convex)
         unproven = None if convex else self.globalization.unproven
         led_away = unproven is not None and unproven.LedAway(correction)
         if led_away:
@@ -292,7 +344,7 @@ class Newton:
         start.data = vec
         longest = system.Sight(correction)
         way = longest * correction
-        judged = self._BendsHeld() and not (convex or led_away)
+        judged = self._BendsHeld() and not (convex or led_away or obeys)
         nearness = Nearness(system, state, way) if judged else None
 
         def move(part: float) -> Measurement:
@@ -314,6 +366,25 @@ class Newton:
         if self.holding.Close(guess=not self.onpath):
             return system.Measure(), damping
         return trial, damping
+
+    def _Correction(self, state: Measurement, convex: bool) -> tuple[np.ndarray, bool]:
+        """That of the next step, and whether all contact conditions hold after it.
+
+        As far as pairs, normals and the bulk stay as they are. While the status changes that is the
+        better step.
+        """
+        system, last = self.system, self.history[-1]
+        residual = system.Linearize(state, convex=convex)
+        moves = not system.islinear and (last.changed or not last.number)
+        moves = (
+            moves and max(state.equilibrium, state.constraint) > NEAR and self.tries < MOST_TRIES
+        )
+        if moves and system.scheme.searches and not (convex or self.onpath or system.Idles()):
+            found = system.ContactCorrection(residual)
+            if found is not None:
+                return found, True
+            self.tries += 1
+        return system.Correction(residual, self._Accuracy(state)), False
 
     def _BendsHeld(self) -> bool:
         """Do bodies bend that others than contact hold, and is there no motion left?"""

@@ -12,7 +12,7 @@ import numpy as np
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import FillVector
-from ngslac.arrays import Multiply
+from ngslac.arrays import Multiply, Sparse
 from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
 from ngslac.bodies.freedom import EXACT, Freedom, Ground
@@ -28,8 +28,10 @@ from ngslac.solve.problem import (
     MultiplierRows,
     UnheldFields,
 )
-from ngslac.solve.residual import Measurement, Residual
+from ngslac.solve.residual import Measurement, Norm, Residual
 from ngslac.solve.stability import Stability
+from ngslac.solve.surfaceproblem import SurfaceProblem
+from ngslac.solve.surfaces import Surfaces
 
 if TYPE_CHECKING:
     from ngsolve import BaseMatrix, BaseVector
@@ -62,6 +64,9 @@ FALSE_TURN = 1e-3
 ROUNDING = 1e-8
 # Places on the way of a macro-element where a tool may be.
 WAYPOINTS = 33
+# Components of tractions up to which a problem of the surfaces alone is cheap: once, and for each
+# matrix of a nonlinear bulk and all pairs of large sliding anew.
+MOST, MOST_AGAIN = 1500, 300
 # Newton steps after which the method goes on only while the residual falls.
 NEWTON = 30
 
@@ -306,15 +311,19 @@ class System:
     def Begin(self, motion: np.ndarray | None, constrained: np.ndarray) -> None:
         """Start a solve."""
         self.bulk.Begin()
-        self.motion, self._driven, self.slides = None, None, True
-        self.linear.shifts, self._start = 0, self.values.copy()
-        self.SetGround(None)
+        self.motion, self._start = None, self.values.copy()
+        self.ForgetBodies()
         self.SetDrag(None)
         self.Lean()
         if motion is not None and np.any(motion[constrained]):
             self.motion = np.where(constrained, motion, 0.0)
             # What is left of the motion up to this is rounding, see `Moved`.
             self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))
+
+    def ForgetBodies(self) -> None:
+        """What holds bodies, and what moves them, is not known yet."""
+        self._driven, self.slides, self.linear.shifts = None, True, 0
+        self.SetGround(None)
 
     def Lean(self) -> None:
         """Turn the pressures of the contacts by what is known."""
@@ -441,6 +450,38 @@ class System:
 
         return self.Displace(residual, Solve, mats)
 
+    def ContactCorrection(self, residual: BaseVector) -> np.ndarray | None:
+        """The correction (n,) to where all contact conditions hold; None where it is not found.
+
+        Of a problem of which nothing but contact is nonlinear, see `SurfaceProblem`.
+        """
+        many = sum(np.count_nonzero(self.linear.free[f.MultiplierDofs()]) for f in self._Forms())
+        suits = many <= (MOST if self.islinear else MOST_AGAIN) and not self.residual.drag
+        if not suits or not Surfaces.Suit(self.contacts):
+            return None
+        self.SetGround(None)
+        mats, found = [form.mat for form in self._Forms()], []
+
+        def Solve(rows: np.ndarray) -> np.ndarray:
+            """The correction, if there is one."""
+            system = self.MakeLinearSystem(mats, rows)
+            compliance = self.linear.Compliance(system)
+            if compliance is None:
+                return 0 * rows
+            scale, moved = self.scale[system.multipliers], np.zeros(len(system.multipliers))
+            if self.motion is not None:
+                moves = sum(Sparse(mat).T @ self.motion for mat in mats)
+                moved = -scale * moves[system.multipliers]
+            parts = Surfaces(self.contacts), compliance, scale, moved, self.residual.size
+            forces = SurfaceProblem(*parts).Solve()
+            if forces is None:
+                return 0 * rows
+            found.append(forces)
+            return self.scale * compliance.Solution(forces)
+
+        correction = self.Displace(residual, Solve, mats)
+        return correction if found else None
+
     def SimplifiedCorrection(self) -> np.ndarray:
         """That (n,) of the residual measured last, with the matrices of the last correction."""
         residual = self.gf.vec.CreateVector()
@@ -560,6 +601,20 @@ class System:
             return False
         return bool(np.any((pushed != 0) & (self._WorksOf(freedom, contact, bulk) != 0)))
 
+    def PutBack(self, freedom: Freedom, start: np.ndarray) -> None:
+        """Take bodies that contact does not press back to where they were at values (n,).
+
+        `freedom` are the motions that they had there.
+        """
+        forces = self.scale * self.residual.parts[:, 1]
+        least = self.residual.tol * max(self.residual.forces, self.residual.first)
+        moved = np.any(freedom.motions, axis=1) & (freedom.body >= 0)
+        for body in np.unique(freedom.body[moved]):
+            rows = moved & (freedom.body == body)
+            if Norm(forces[rows]) <= least:
+                motions, way = freedom.motions[rows], (self.values - start)[rows]
+                self.values[rows] -= motions @ np.linalg.lstsq(motions, way, rcond=None)[0]
+
     def DrivenMotion(self, freedom: Freedom, holds: str = "now") -> list[str]:
         """Description of the free motion along which the forces measured last do work."""
         works = self._Drives(freedom, holds)
@@ -638,6 +693,11 @@ class System:
         held = freedom.Some(held)
         measure, free = self.bodies.Measure(self.contacts, held), self.residual.free
         self.SetGround(Ground(held, measure, self._start, free, self.ground))
+
+    def Idles(self) -> bool:
+        """Do bodies have to be held that nothing pushes?"""
+        self.HoldIdle("rubbing", [form.mat for form in self._Forms()])
+        return self.idle or self.ground is not None
 
     def _Rocks(self, motion: Freedom, mats: Sequence[BaseMatrix]) -> bool:
         """Does a motion change the direction in which forces push the body?

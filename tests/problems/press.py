@@ -117,10 +117,10 @@ def mixed_press(*, dim=2, **flags):
 press3d, mixed_press3d = (partial(make, dim=3) for make in (press, mixed_press))
 
 
-def solved(problem, **flags):
+def solved(problem, tol=1e-10, **flags):
     """The solver of a problem that it has solved."""
     solver = problem.solver(**flags)
-    solver.Solve(printing=False)
+    solver.Solve(printing=False, tol=tol)
     return solver
 
 

@@ -40,6 +40,9 @@ from ngslac.solve.pressures import Bilateral, Unilateral
 ROUNDING = 1e-15
 
 
+pytestmark = pytest.mark.usefixtures("whole_systems")
+
+
 def problem(mesh, pairs, load, *, held="", tied=(), guided=(), space=None, **law):
     """Displacement of order 2, a contact for each pair of slave and master; E = 1, nu = 0.3.
 

@@ -124,7 +124,7 @@ def check_solution(case, method, tol, monkeypatch):
     if (case, method) == ("2D large", "interface"):
         pytest.skip("the bulk has another matrix each time")
     reference, problem = made(case), made(case)
-    expected = solved(reference, solver="direct")
+    expected = solved(reference, tol=1e-13, solver="direct")
     solver = solved(problem, **chosen(method, monkeypatch))
     linear = solver.linear
     iterates = "iterative" in method or method == "smoother"
@@ -132,7 +132,7 @@ def check_solution(case, method, tol, monkeypatch):
     assert (linear.krylov > 0) == (linear.factorisations == 0) == iterates
     if method == "interface":
         assert linear.factorisations == 1
-        assert len(solver.history) == len(expected.history)
+        assert len(solver.history) <= len(expected.history)
     same(problem, reference, tol)
 
 

@@ -96,13 +96,13 @@ def pushed_aside():
 def test_a_linear_bulk_is_applied_at_the_start_and_in_the_end():
     problem, side = pushed_aside()
     solver = watched(problem)
-    assert solver.Solve(printing=False).number >= 3
+    assert solver.Solve(printing=False).number == 1
     assert (solver.a.applied, solver.a.assembled) == (
         3,
         1,
     )  # one of them at random tells that it is
     side.Set(30.0)
-    assert solver.Solve(printing=False).number >= 2
+    assert solver.Solve(printing=False).number == 1
     assert (solver.a.applied, solver.a.assembled) == (5, 1)
     assert equilibrium(problem) < 1e-10
     other, side = pushed_aside()

@@ -56,6 +56,7 @@ def test_a_limit_load_ends_the_stepping():
     assert len(attempts) < 20
 
 
+@pytest.mark.usefixtures("whole_systems")
 def test_a_step_that_is_too_large_is_cut():
     """In one step six iterations do not do; in two they do."""
     problem = press(dim=3, friction=2.0, nonlinear=True, push=(0.5, 0.2, -0.1))

@@ -43,6 +43,7 @@ def test_friction_below_tresca_keeps_the_law_continuous():
     assert 0 in table["status"]
 
 
+@pytest.mark.usefixtures("whole_systems")
 def test_newton_steps_without_a_residual_are_damped():
     """The full step turns elements inside out; shortened ones lead to the solution."""
     solver = press(friction=2.0, nonlinear=True, push=(0.3, -0.05)).solver()

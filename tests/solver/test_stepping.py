@@ -93,6 +93,7 @@ HARD = {
 }
 
 
+@pytest.mark.usefixtures("whole_systems")
 @pytest.mark.parametrize("name", HARD)
 def test_a_failing_step_is_cut_and_grows_again(name, capsys):
     make, end, flags = HARD[name]
