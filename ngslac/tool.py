@@ -89,6 +89,11 @@ class Tool:
         values, *_ = self._shape.Evaluate(((points - shift) @ turn).ravel())
         return np.array(values)
 
+    def _Look(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Signed distances (n,) and their gradients (n, d) at points (n, d) of the tool's frame."""
+        values, gradients, _ = self._shape.Evaluate(points.ravel())
+        return np.array(values), np.array(gradients).reshape(points.shape)
+
     @property
     def placement(self) -> tuple[np.ndarray, np.ndarray]:
         """Where its path has led it: rotation (d, d), then shift (d,)."""

@@ -253,6 +253,7 @@ class LACContact:
                 remedy = COMES_OFF if together else SELF
                 CheckDistinct(self.surface.slave, self.facing, remedy)
         self._solution = self._accepted = None  # entries at the last evaluation, and `Commit`
+        self._placement = self.tool and self.tool.placement  # of the last `Commit`, too
         self._MakeFields()
 
     @property
@@ -412,6 +413,7 @@ class LACContact:
         def change() -> None:
             self._state.Commit(gf)
             self._solution = self._accepted = self._Entries(gf)
+            self._placement = self.tool and self.tool.placement
 
         self._Change(self._state.WholeOrNot(gf), change)
 
@@ -436,6 +438,22 @@ class LACContact:
     def _Sizes(self) -> np.ndarray:
         """How large macro-elements are (m,): lengths."""
         return self.form.Table()["size"]
+
+    def _OnTool(self, placement: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        """Where macro-elements are (m, d) as seen from the tool at a placement."""
+        turn, shift = placement
+        return (self.Table()["x"] - shift) @ turn
+
+    def _Depths(self) -> np.ndarray:
+        """How deep macro-elements (m,) lie inside of what they face where they do not see it."""
+        if self.master is not None:
+            return np.asarray(self.form.Overlaps())
+        table = self.Table()
+        if self.tool is None or len(self.form.ToolDofs()):
+            return np.zeros(len(table["area"]))
+        depths = -self.tool.Distance(table["x"])
+        unseen = table["area"] < 0.5 * table["fullarea"]
+        return np.where(unseen & (depths > self._Sizes()), depths, 0.0)
 
     def _Slid(self) -> np.ndarray:
         """How far macro-elements (m, d) moved along the master since they were paired.

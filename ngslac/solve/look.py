@@ -97,7 +97,7 @@ class Look:
     def _LookAtDepths(self) -> None:
         """Parts of a slave so deep in the master that contact does not see them."""
         for number, contact in enumerate(self.system.contacts):
-            message = self._Depth(contact) if contact.active and contact.master else ""
+            message = self._Depth(contact) if contact.active else ""
             if message and contact.finite:
                 raise ContactConvergenceError(message)
             self._Say(f"depth {number}", message)
@@ -107,12 +107,12 @@ class Look:
         table = contact.Table()
         if np.all(table["area"] > 0.5 * table["fullarea"]):
             return ""
-        depths = np.asarray(contact.form.Overlaps())
+        depths = contact._Depths()
         if not np.any(depths):
             return ""
-        deepest = int(np.argmax(depths))
+        deepest, inside = int(np.argmax(depths)), "tool" if contact.tool else "master"
         return (
-            f"{np.count_nonzero(depths)} macro-elements of the slave lie inside of the master, "
+            f"{np.count_nonzero(depths)} macro-elements of the slave lie inside of the {inside}, "
             f"up to {depths[deepest]:.3g} deep around {ShownPoint(table['x'][deepest])}, where "
             "contact does not see them and no force acts: give penetration = "
             f"{1.1 * depths[deepest]:.3g}, move the bodies apart, or take smaller steps"

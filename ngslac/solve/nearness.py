@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ngslac.solve.residual import Measurement
     from ngslac.solve.system import System
 
-__all__ = ["Nearness"]
+__all__ = ["FEW", "Nearness"]
 
 # Closed macro-elements that are so few that their status does not matter much.
 FEW = 2

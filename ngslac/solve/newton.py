@@ -18,7 +18,7 @@ from ngslac.solve.holding import Holding
 from ngslac.solve.inverted import InvertedError
 from ngslac.solve.iteration import Iteration, Log, MostlySlips, Unchanged
 from ngslac.solve.look import BORNE, Look
-from ngslac.solve.nearness import Nearness
+from ngslac.solve.nearness import FEW, Nearness
 from ngslac.solve.relaxation import Relaxation
 from ngslac.solve.stability import UnstableError
 from ngslac.solve.statussearch import FAILURES, StatusSearch
@@ -33,7 +33,8 @@ __all__ = ["Newton"]
 LONG, RUBBER = 20, 0.485
 # Steps in which all is settled after the contact conditions of a linear bulk have been solved.
 SETTLES = 8
-# How often the contact conditions of a linearised problem may have no solution that is found.
+# How often the contact conditions of a linearised problem may have no solution that is found; if
+# one leads so far that it has to be shortened, they are left alone.
 MOST_TRIES = 2
 # Residual from which on Newton's steps are the best ones, whatever changes.
 NEAR = 1e-3
@@ -360,6 +361,10 @@ class Newton:
         moving = system.motion is not None or convex
         trial, part = found or self.globalization.Search(move, moving, nearness)
         damping = part * longest
+        if obeys and damping < 1:
+            self.tries = MOST_TRIES
+            vec.data = start
+            return self._Step(system.Visit(system.Place()), convex=convex)
         if not trial.finite:
             raise ContactConvergenceError(trial.reason + " however short the Newton step")
         system.Moved(state, trial, -correction, damping)
@@ -371,15 +376,15 @@ class Newton:
         """That of the next step, and whether all contact conditions hold after it.
 
         As far as pairs, normals and the bulk stay as they are. While the status changes that is the
-        better step.
+        better step, unless a few macro-elements touch, whose normals matter most.
         """
         system, last = self.system, self.history[-1]
         residual = system.Linearize(state, convex=convex)
-        moves = not system.islinear and (last.changed or not last.number)
-        moves = (
-            moves and max(state.equilibrium, state.constraint) > NEAR and self.tries < MOST_TRIES
-        )
-        if moves and system.scheme.searches and not (convex or self.onpath or system.Idles()):
+        changes = not system.islinear and (last.changed or not last.number)
+        far = max(state.equilibrium, state.constraint) > NEAR
+        touches = np.count_nonzero(state.status)
+        suits = changes and far and not 0 < touches <= FEW and self.tries < MOST_TRIES
+        if suits and system.scheme.searches and not (convex or self.onpath or system.Idles()):
             found = system.ContactCorrection(residual)
             if found is not None:
                 return found, True

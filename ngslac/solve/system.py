@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from ngslac.solve.bulk import Bulk
     from ngslac.solve.newton import Newton
     from ngslac.solve.relaxation import Drag
+    from ngslac.tool import Tool
 
 __all__ = ["Configuration", "Saddle", "System"]
 
@@ -62,8 +63,9 @@ ROCKS = 1e-5
 FALSE_TURN = 1e-3
 # Of a traction: what its direction is known by.
 ROUNDING = 1e-8
-# Places on the way of a macro-element where a tool may be.
-WAYPOINTS = 33
+# How far a macro-element has to move to come through a tool, how deep in it that may begin, and how
+# deep it has to have been, relative to its size; cosine of normals of opposite sides.
+MOVED, TOUCHES, THIN, OPPOSITE = 0.25, 0.05, 0.02, -0.3
 # Components of tractions up to which a problem of the surfaces alone is cheap: once, and for each
 # matrix of a nonlinear bulk and all pairs of large sliding anew.
 MOST, MOST_AGAIN = 1500, 300
@@ -233,11 +235,20 @@ class System:
         self.Evaluate()
         return state
 
+    @property
+    def _origin(self) -> np.ndarray:
+        """The last state (n,) that was committed, else where the solve began.
+
+        A solve of a stepper begins with a prediction, which may be behind a master.
+        """
+        committed = self.contacts[0]._accepted
+        return self._start if committed is None else committed
+
     @contextmanager
-    def _AtStart(self) -> Iterator[None]:
-        """Contacts are where the solve began, in this context."""
+    def _AtOrigin(self) -> Iterator[None]:
+        """Contacts are where the step began, in this context."""
         now = self.Place()
-        self.values[:] = self._start
+        self.values[:] = self._origin
         self.residual.Follow()
         self.Evaluate()
         try:
@@ -273,20 +284,20 @@ class System:
         """
         tables = [(contact, contact.Table()) for contact in self._meshed]
         ends = [(c, np.ptp(t["x"], axis=0).max(), t["status"] == 0) for c, t in tables]
-        if not ends or self.Way(self._start) <= min(size for _, size, _ in ends):
+        if not ends or self.Way(self._origin) <= min(size for _, size, _ in ends):
             return None
-        motion = self.values - self._start
-        with self._AtStart():
+        motion = self.values - self._origin
+        with self._AtOrigin():
             way, place = max((WayThrough(*end, motion) for end in ends), key=lambda found: found[0])
         return (way, place) if way > 0 else None
 
     def PassedTool(self) -> np.ndarray | None:
-        """Where the slave has gone through a tool since the start, or None."""
+        """Where the slave has gone through a tool since the last step, or None."""
         contacts = [c for c in self.contacts if c.tool and c.active and not len(c.form.ToolDofs())]
-        if not contacts or self.Way(self._start) <= np.min(self.Sizes()):
+        if not contacts:
             return None
-        with self._AtStart():
-            begins = [contact.Table()["x"] for contact in contacts]
+        with self._AtOrigin():
+            begins = [contact._OnTool(contact._placement) for contact in contacts]
         places = (ThroughTool(c, begin) for c, begin in zip(contacts, begins, strict=True))
         return next((place for place in places if place is not None), None)
 
@@ -771,18 +782,38 @@ def WayThrough(
 def ThroughTool(contact: LACContact, begins: np.ndarray) -> np.ndarray | None:
     """Where a macro-element is that has come through the tool from places (m, d), or None.
 
-    Straight on, from outside to outside, and deeper than it is large.
+    Straight on, as seen from the tool, from outside to outside: out of the side that is opposite to
+    where it went in, or deeper than it is large.
     """
-    ends, sizes = contact.Table()["x"], contact._Sizes()
-    far = np.flatnonzero(np.linalg.norm(ends - begins, axis=1) > sizes)
+    ends, sizes = contact._OnTool(contact.tool.placement), contact._Sizes()
+    far = np.flatnonzero(np.linalg.norm(ends - begins, axis=1) > MOVED * sizes)
     if not len(far):
         return None
-    parts = np.linspace(0, 1, WAYPOINTS)[:, None]
-    ways = begins[far, None] + parts * (ends - begins)[far, None]
-    distances = contact.tool.Distance(ways.reshape(-1, ends.shape[1])).reshape(len(far), -1)
-    outside = np.minimum(distances[:, 0], distances[:, -1]) > -0.5 * sizes[far]
-    through = far[outside & (distances.min(axis=1) < -sizes[far])]
-    return ends[through[0]] if len(through) else None
+    sizes, begins, ways = sizes[far], begins[far], (ends - begins)[far]
+    (before, inwards), (after, outwards) = map(contact.tool._Look, (begins, begins + ways))
+    outside = (before > -TOUCHES * sizes) & (after > -sizes / 2)
+    depth = np.zeros(len(far))
+    depth[outside] = Depths(contact.tool, begins[outside], ways[outside], sizes[outside])
+    opposite = np.sum(inwards * outwards, axis=1) < OPPOSITE
+    through = far[outside & ((depth > sizes) | opposite & (depth > THIN * sizes))]
+    return contact.Table()["x"][through[0]] if len(through) else None
+
+
+def Depths(tool: Tool, begins: np.ndarray, ways: np.ndarray, sizes: np.ndarray) -> np.ndarray:
+    """How deep ways (m, d) from places go into the tool, at most (m,).
+
+    The distance tells how far nothing can be missed.
+    """
+    part, depth, lengths = (
+        np.zeros(len(begins)),
+        np.zeros(len(begins)),
+        np.linalg.norm(ways, axis=1),
+    )
+    while np.any(goes := part < 1):
+        distances, _ = tool._Look(begins[goes] + part[goes, None] * ways[goes])
+        depth[goes] = np.maximum(depth[goes], -distances)
+        part[goes] += np.maximum(np.abs(distances), THIN * sizes[goes]) / lengths[goes]
+    return depth
 
 
 def SightOf(contact: LACContact, motion: np.ndarray) -> float:

@@ -86,7 +86,7 @@ def test_friction_force(space):
     """The curve of Mindlin, whose compliance comes from the first step."""
     push, shear, normal, stick, slip = space.rows.T
     (force, shift), limit = space.theory, space.F * normal[0]
-    assert space.iterations == pytest.approx(4, abs=2)
+    assert space.iterations.max() <= 6
     np.testing.assert_allclose(push, [0, 0.0035, 0.007, 0.0105, 0.014, 0.018, 0.022])
     np.testing.assert_allclose(shear[:-1], np.interp(push[:-1], shift, force), atol=0.01 * limit)
     assert push[-1] > shift[-1]

@@ -63,6 +63,7 @@ def test_half_ring_on_the_published_mesh():
     assert middle == pytest.approx(LOGARITHMIC[None][0.6][0], rel=0.07)
 
 
+@pytest.mark.usefixtures("whole_systems")
 def test_half_ring_buckles_and_rests_on_two_places():
     _, values, falls, steps = OnTriangles(6.3, 1.0, 40)
     for time, (middle, beside) in FINE.items():  # they do not depend on the mesh
