@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ngsolve import BaseMatrix
     from scipy.sparse import csc_matrix, csr_matrix
 
-__all__ = ["Interface"]
+__all__ = ["Compliance", "DenseFactors", "Interface"]
 
 # Of what is left of rows that are combinations of others, relative to the largest entry.
 ROUNDING = 1e-10
@@ -162,13 +162,9 @@ class InterfaceSystem:
         matrix[rows[:, :, None], rows[:, None]] += own
         others = np.arange(rows.size, len(matrix))
         matrix[others, others] += 1
-        self.scale = 1 / np.maximum(np.abs(matrix).max(axis=1, initial=0), np.finfo(float).tiny)
-        matrix *= self.scale[:, None]
-        if len(matrix):
-            norm = np.abs(matrix).sum(axis=0).max()
-            self.factors = scipy.linalg.lu_factor(matrix, check_finite=False)
-            if not scipy.linalg.lapack.dgecon(self.factors[0], norm)[0] > SINGULAR:
-                raise LinearSolveError("the interface is singular")
+        self.factors = DenseFactors.Of(matrix)
+        if self.factors is None:
+            raise LinearSolveError("the interface is singular")
 
     def _Constrained(self, values: np.ndarray) -> np.ndarray:
         """Rows of the closed macro-elements, of S and of the springs from C^T u (k, ...)."""
@@ -191,12 +187,37 @@ class InterfaceSystem:
         if len(self.used):
             right = -self._Constrained(trace)
             right[: self.closed.size] += own[self.closed].ravel()
-            x[self.used] = scipy.linalg.lu_solve(
-                self.factors, self.scale * right, check_finite=False
-            )
+            x[self.used] = self.factors.Solve(right)
         solution = self.schur.Solve(start, x)
         solution[self.blocks.multipliers] = x[: len(own)]
         return solution
+
+
+class DenseFactors:
+    """Of a dense matrix whose rows are scaled."""
+
+    def __init__(self, factors: tuple, scale: np.ndarray):
+        self._factors, self._scale = factors, scale
+
+    @classmethod
+    def Of(cls, matrix: np.ndarray) -> DenseFactors | None:
+        """Of a matrix (n, n); None if it is singular."""
+        scale = 1 / np.maximum(np.abs(matrix).max(axis=1, initial=0), np.finfo(float).tiny)
+        matrix = matrix * scale[:, None]
+        if not np.all(np.isfinite(matrix)):
+            return None
+        norm = np.abs(matrix).sum(axis=0).max(initial=0)
+        if not len(matrix):
+            return cls((), scale)
+        factors = scipy.linalg.lu_factor(matrix, check_finite=False)
+        regular = scipy.linalg.lapack.dgecon(factors[0], norm)[0] > SINGULAR
+        return cls(factors, scale) if regular else None
+
+    def Solve(self, right: np.ndarray) -> np.ndarray:
+        """The solution (n,)."""
+        if not len(right):
+            return right
+        return scipy.linalg.lu_solve(self._factors, self._scale * right, check_finite=False)
 
 
 class Blocks:

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy
 
 from ngslac.linear.factor import OneBLASThread
+from ngslac.linear.interface import DenseFactors
 from ngslac.solve.pressures import WIDE
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SurfaceProblem"]
 
-# Reciprocal condition number of a singular matrix.
-SINGULAR = 1e-14
 # Residual of the laws and of the springs, relative to the largest traction and force, and that of
 # the laws to what the traction would be without them: rounding.
 DONE, ROUNDING = 1e-11, 1e-14
@@ -28,6 +26,8 @@ DONE, ROUNDING = 1e-11, 1e-14
 SOFT = 1e-7
 # Bound of friction that is none, relative to the largest.
 LEAST = 1e-6
+# Components of tractions up to which a path, which counts all of them in each step, is cheap.
+SMALL = 600
 # Steps of Newton's method and on a path, and times that bounds of friction are looked at.
 NEWTON, PATH, BOUNDS = 40, 60, 10
 # Part of a step on a path that leads nowhere, and products at its end over the first ones, and over
@@ -88,8 +88,9 @@ class SurfaceProblem:
     def Solve(self) -> np.ndarray | None:
         """Multipliers and springs (m,) of the correction, scaled; None where they are not found."""
         with np.errstate(over="ignore", invalid="ignore"):  # steps that lead nowhere
-            if not (self._count and (self._Newton() or self._FindStatus())):
-                return None
+            found = self._count and (self._Newton() or self._FindStatus())
+        if not found:
+            return None
         forces = np.zeros(self._size)
         forces[self._used] = -self._y
         return forces
@@ -171,6 +172,8 @@ class SurfaceProblem:
     def _FindStatus(self) -> bool:
         """Find the solution whatever the present status is, if that can be."""
         surfaces = self.surfaces
+        if self._count > SMALL:
+            return False
         pressure = np.zeros(len(surfaces.gap))
         for _ in range(BOUNDS):
             bound = surfaces.Bound(pressure)
@@ -294,7 +297,7 @@ class SurfaceProblem:
 class Response:
     """What unknowns change by where ``own dt + by_jump dj`` is prescribed, and the springs are."""
 
-    def __init__(self, follows: np.ndarray, blocks: tuple[np.ndarray, ...], factors: tuple):
+    def __init__(self, follows: np.ndarray, blocks: tuple[np.ndarray, ...], factors: DenseFactors):
         self._follows, self._blocks, self._factors = follows, blocks, factors
 
     @classmethod
@@ -322,7 +325,7 @@ class Response:
         columns = d * each[:, None, None] + np.arange(d)
         top[each[:, None, None], np.arange(d)[:, None], columns] += own[follows] * scales
         matrix[: count * d] = top.reshape(count * d, len(matrix))
-        factors = Factored(matrix)
+        factors = DenseFactors.Of(matrix)
         return factors and cls(follows, (own, by_jump, Z, springs, scale), factors)
 
     def Solve(self, right: np.ndarray, ahead: np.ndarray, left: np.ndarray) -> np.ndarray:
@@ -339,24 +342,9 @@ class Response:
         moved = ahead + (Z @ change).reshape(k, d)
         right = right - np.einsum("kij,kj->ki", by_jump, moved)
         right = np.concatenate([right[follows].ravel(), left + springs @ change])
-        lu, rows = self._factors
         unknown = np.concatenate([~alone, np.ones(len(springs), bool)])
-        change[unknown] = scipy.linalg.lu_solve(lu, rows * right, check_finite=False)
+        change[unknown] = self._factors.Solve(right)
         return change
-
-
-def Factored(matrix: np.ndarray) -> tuple[tuple, np.ndarray] | None:
-    """Factors of a matrix with scaled rows, and these scales; None if it is singular."""
-    if not np.all(np.isfinite(matrix)):
-        return None
-    scale = 1 / np.maximum(np.abs(matrix).max(axis=1, initial=0), np.finfo(float).tiny)
-    matrix = matrix * scale[:, None]
-    if not len(matrix):
-        return (matrix, np.zeros(0, np.int32)), scale
-    lu = scipy.linalg.lu_factor(matrix, check_finite=False)
-    norm = np.abs(matrix).sum(axis=0).max()
-    regular = scipy.linalg.lapack.dgecon(lu[0], norm)[0] > SINGULAR
-    return (lu, scale) if regular else None
 
 
 def Largest(values: np.ndarray) -> float:
