@@ -142,7 +142,10 @@ class Newton:
         if after.finite and idle:
             system.PutBack(idle, start[0])
             after = system.Measure()
-        self.settled = not (after.finite and system.Freedom("rubbing"))
+        if after.finite and (free := system.Freedom("rubbing")):
+            self.settled = False
+            system.TurnBack(free, start[0])
+            after = system.Measure()
         last = None
         if after.finite and (self.settled or self._Stays()):
             end = system.Place()

@@ -626,6 +626,11 @@ class System:
                 motions, way = freedom.motions[rows], (self.values - start)[rows]
                 self.values[rows] -= motions @ np.linalg.lstsq(motions, way, rcond=None)[0]
 
+    def TurnBack(self, freedom: Freedom, start: np.ndarray) -> None:
+        """Take bodies back along motions that nothing resists, as near to values (n,) as may be."""
+        motions = freedom.motions
+        self.values[:] -= motions @ np.linalg.lstsq(motions, self.values - start, rcond=None)[0]
+
     def DrivenMotion(self, freedom: Freedom, holds: str = "now") -> list[str]:
         """Description of the free motion along which the forces measured last do work."""
         works = self._Drives(freedom, holds)
