@@ -27,7 +27,7 @@ SOFT = 1e-7
 # Bound of friction that is none, relative to the largest.
 LEAST = 1e-6
 # Components of tractions up to which a path, which counts all of them in each step, is cheap.
-SMALL = 600
+SMALL = 400
 # Steps of Newton's method and on a path, and times that bounds of friction are looked at.
 NEWTON, PATH, BOUNDS = 40, 60, 10
 # Part of a step on a path that leads nowhere, and products at its end over the first ones, and over
