@@ -116,7 +116,6 @@ class Compliance:
 
     def __init__(self, kept: GroundedBulk, blocks: Blocks, b: np.ndarray):
         self.multipliers = blocks.multipliers
-        self.forces = blocks.forces
         self.schur, self.matrix = kept.Schur(blocks.forces)
         self._begin = self.schur.Forward(b)
         self.start = self.schur.Trace(self._begin)

@@ -9,7 +9,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from netgen.meshing import NgException
 from ngsolve import BaseMatrix, BitArray
 
 from ngslac.arrays import AsNumPy
@@ -21,6 +20,7 @@ from ngslac.linear.system import LinearSystem, Link, Merged
 if TYPE_CHECKING:
     from ngslac._ngslac import InnerElimination
     from ngslac.linear.inner import InnerDofs
+    from ngslac.linear.interface import Compliance
 
 __all__ = ["LinearSolver"]
 
@@ -131,18 +131,17 @@ class LinearSolver:
             self._LearnFrom(name, system)
         return system.scale * x
 
-    def Compliance(self, system: LinearSystem) -> object | None:
-        """How the bulk of a LinearSystem follows what acts on the interface, see `Interface`."""
-        link = self._links[0]
-        if self.inner or link.name != "interface":
-            return None
+    def Compliance(self, system: LinearSystem) -> Compliance:
+        """How the bulk of a LinearSystem follows what acts on the interface; it may not be known.
+
+        Then there is an error, as where a system is not solved.
+        """
+        if self.inner:
+            raise LinearSolveError("the system is reduced")
         system = replace(system, bits=self.bits, merged=self._merged)
         b = system.scale * system.rhs * system.free
         b[system.multipliers] = 0
-        try:
-            return link.method.Compliance(system, b)
-        except (RuntimeError, NgException):
-            return None
+        return self._links[0].method.Compliance(system, b)
 
     def _IsGood(self, link: Link, system: LinearSystem, _: np.ndarray, error: float) -> bool:
         return error <= max(self.tolerance, ENOUGH * system.accuracy * link.method.is_iteration)

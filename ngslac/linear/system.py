@@ -13,9 +13,12 @@ from ngsolve import BaseMatrix, BitArray
 
 from ngslac._ngslac import MergeMatrices
 from ngslac.arrays import AddToDiagonal, AsNumPy, SameEntries
+from ngslac.errors import LinearSolveError
 
 if TYPE_CHECKING:
     from ngsolve.la import SparseMatrixd
+
+    from ngslac.linear.interface import Compliance
 
 __all__ = ["LinearSystem", "Link", "Merged", "Method", "Options"]
 
@@ -131,6 +134,10 @@ class Method(ABC):
     @abstractmethod
     def Solve(self, system: LinearSystem, b: np.ndarray) -> tuple[np.ndarray, float]:
         """Scaled solution (n,), 0 where not free, and its relative residual, which is believed."""
+
+    def Compliance(self, system: LinearSystem, b: np.ndarray) -> Compliance:
+        """How the bulk follows what acts on the interface, with the right side `b` (n,)."""
+        raise LinearSolveError(f"{self}: the bulk is not factored alone")
 
     def NewBulk(self) -> None:  # noqa: B027
         """Keep nothing: the matrix of the bulk has got other values."""

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from ngslac.solve.pressures import INSIDE, TIE, Bilateral, Unilateral
 
-__all__ = ["Barrier", "Tie"]
+__all__ = ["Barrier", "Centering", "Mean", "Tie"]
 
 SMALLEST = np.finfo(float).tiny ** 0.25  # whose square is no zero
 
@@ -201,3 +203,17 @@ class Tie:
     def Take(self, step: np.ndarray, part: float) -> None:
         """Move on by a part of a step."""
         self.traction = self.traction + part * step
+
+
+def Mean(products: Iterable[np.ndarray]) -> float:
+    """The mean of products, of which each array holds a sum and a number."""
+    total, count = sum(products)
+    return total / count if count else 0.0
+
+
+def Centering(before: float, predicted: float) -> float:
+    """The product that a corrected step aims at, by the means before and after the predicted one.
+
+    Mehrotra (1992).
+    """
+    return before * min(1.0, max((predicted / before) ** 3, 1e-6)) if before else 0.0

@@ -12,7 +12,7 @@ import numpy as np
 from ngslac.arrays import Multiply
 from ngslac.errors import ContactConvergenceError
 from ngslac.parallel.spread import Pick
-from ngslac.solve.barrier import Barrier, BarrierStep, Tie
+from ngslac.solve.barrier import Barrier, BarrierStep, Centering, Mean, Tie
 from ngslac.solve.pressures import WIDE, Bilateral, Unilateral
 
 if TYPE_CHECKING:
@@ -73,11 +73,11 @@ class InteriorPoint:
         """Move on by one step: the next Measurement, and the part that was taken."""
         mats = [spring.Assemble(self.vec) for spring in self.springs]
         self.system.HoldIdle("closed")
-        before = self._Mean(spring.law.products for spring in self.springs)
+        before = Mean(spring.law.products for spring in self.springs)
         steps, _ = self._Direction(state, mats, 0.0)
         part = self._Longest(steps)
-        predicted = self._Mean(s.law.Predicted(step, part) for s, step in self._Each(steps))
-        center = before * min(1.0, max((predicted / before) ** 3, 1e-6)) if before else 0.0
+        predicted = Mean(s.law.Predicted(step, part) for s, step in self._Each(steps))
+        center = Centering(before, predicted)
         steps, motion = self._Direction(state, mats, center, steps)
         trial, part = self._Take(state, steps, motion)
         if part < SHORT and self.returns < MOST_RETURNS:
@@ -88,11 +88,6 @@ class InteriorPoint:
 
     def _Each(self, steps: Iterable) -> Iterable[tuple[Springs, Any]]:
         return zip(self.springs, steps, strict=True)
-
-    @staticmethod
-    def _Mean(products: Iterable[np.ndarray]) -> float:
-        total, count = sum(products)
-        return total / count if count else 0.0
 
     def _Longest(self, steps: Sequence[BarrierStep | np.ndarray]) -> float:
         return min(spring.law.Longest(step) for spring, step in self._Each(steps))

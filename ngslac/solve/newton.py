@@ -151,8 +151,9 @@ class Newton:
             end = system.Place()
             self.Record(system.Visit(start))
             system.GoTo(end)
-            system.Moved(state, system.Measure(), -correction, 1.0)
-            after = self.Confirmed(system.Measure())
+            after = system.Measure()
+            system.Moved(state, after, -correction, 1.0)
+            after = self.Confirmed(after)
             self.Record(after)
             last = self.Polish(after, SETTLES)
         if last is None:

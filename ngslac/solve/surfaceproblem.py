@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ngslac.linear.factor import OneBLASThread
 from ngslac.linear.interface import DenseFactors
+from ngslac.solve.barrier import Centering, Mean
 from ngslac.solve.pressures import WIDE
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class SurfaceProblem:
 
     @property
     def _left(self) -> np.ndarray:
-        """What the forces of the springs still have to change by."""
+        """Changes of the forces of springs that are still needed."""
         kept = 1 - self._soft
         return kept * (self._held + self._springs @ self._y) - self._y[self._count :]
 
@@ -247,8 +248,7 @@ class SurfaceProblem:
         steps, _ = self._Direction(laws, response, 0.0, [None] * len(laws))
         part = Longest(laws, steps)
         after = Mean(law.Predicted(step, part) for law, step in zip(laws, steps, strict=True))
-        center = mean * min(1.0, max((after / mean) ** 3, 1e-6)) if mean else 0.0
-        steps, change = self._Direction(laws, response, center, steps)
+        steps, change = self._Direction(laws, response, Centering(mean, after), steps)
         part = Longest(laws, steps)
         if part < TINY:
             return False
@@ -258,7 +258,7 @@ class SurfaceProblem:
         return True
 
     def _Moved(self, change: np.ndarray) -> np.ndarray:
-        """What jumps change by with the unknowns, to where they follow these."""
+        """Changes of the jumps with those of the unknowns, up to where they follow these."""
         return self._Jump(self._y + change) - self.jump
 
     def _Direction(
@@ -295,7 +295,7 @@ class SurfaceProblem:
 
 
 class Response:
-    """What unknowns change by where ``own dt + by_jump dj`` is prescribed, and the springs are."""
+    """Changes of the unknowns for which ``own dt + by_jump dj`` and the springs are prescribed."""
 
     def __init__(self, follows: np.ndarray, blocks: tuple[np.ndarray, ...], factors: DenseFactors):
         self._follows, self._blocks, self._factors = follows, blocks, factors
@@ -350,12 +350,6 @@ class Response:
 def Largest(values: np.ndarray) -> float:
     """The largest size of any value."""
     return float(np.max(np.abs(values), initial=0.0))
-
-
-def Mean(products: Iterable[np.ndarray]) -> float:
-    """Of sums and their numbers, see `Barrier`."""
-    total, count = sum(products)
-    return total / count if count else 0.0
 
 
 def Longest(laws: Laws, steps: Sequence[BarrierStep | np.ndarray]) -> float:

@@ -23,7 +23,7 @@ SMALLEST = np.finfo(float).tiny
 
 @dataclass
 class Answer:
-    """What laws say to trial tractions: status (k,), tractions (k, d), derivatives (k, d, d)."""
+    """Answer of laws to trial tractions: status (k,), tractions (k, d), derivatives (k, d, d)."""
 
     status: np.ndarray
     traction: np.ndarray
@@ -51,12 +51,12 @@ class Surfaces:
     """
 
     def __init__(self, contacts: Sequence[LACContact]):
-        tables = [contact.Table() | contact.form.Table() for contact in contacts]
         known = [contact.Table() for contact in contacts]
+        tables = [contact.form.Table() for contact in contacts]
         own = [table["area"] > 0 for table in known]
         counts = [np.count_nonzero(one) for one in own]
         ends = np.cumsum([0, *counts])
-        self.contacts, self.own, self.bound = contacts, np.concatenate(own), None
+        self.own, self.bound = np.concatenate(own), None
         self.parts = [slice(*pair) for pair in pairwise(ends)]
 
         def Of(name: str, tables: Sequence[dict]) -> np.ndarray:
@@ -74,7 +74,7 @@ class Surfaces:
 
     @staticmethod
     def Suit(contacts: Sequence[LACContact]) -> bool:
-        """Are these all contacts with small sliding, laws of projection and even pressures?"""
+        """Do all contacts have laws of projection and even pressures, with no other unknowns?"""
         for contact in contacts:
             table = contact.form.Table()
             held = table["prescribed"][table["area"] > 0]

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from netgen.meshing import NgException
 from ngsolve.la import SparseMatrixd
 
 from ngslac.arguments import FillVector
@@ -17,7 +18,7 @@ from ngslac.bodies.bodies import Bodies
 from ngslac.bodies.constraints import CONTACT, MASTER, SLAVE, AllJumps, ToolDofs, ToolsSlipFar
 from ngslac.bodies.freedom import EXACT, Freedom, Ground
 from ngslac.bulkforms import WithoutMass
-from ngslac.errors import Warn
+from ngslac.errors import LinearSolveError, Warn
 from ngslac.linear.system import LinearSystem
 from ngslac.parallel.form import ScaleOf
 from ngslac.solve.inverted import InvertedMessage, TurningMaterials
@@ -332,7 +333,7 @@ class System:
             self._rest = np.finfo(float).eps * np.max(np.abs(self.motion))
 
     def ForgetBodies(self) -> None:
-        """What holds bodies, and what moves them, is not known yet."""
+        """Forget which bodies are held, and which are driven."""
         self._driven, self.slides, self.linear.shifts = None, True, 0
         self.SetGround(None)
 
@@ -471,14 +472,12 @@ class System:
         if not suits or not Surfaces.Suit(self.contacts):
             return None
         self.SetGround(None)
-        mats, found = [form.mat for form in self._Forms()], []
+        mats = [form.mat for form in self._Forms()]
 
         def Solve(rows: np.ndarray) -> np.ndarray:
-            """The correction, if there is one."""
+            """The correction, or an error."""
             system = self.MakeLinearSystem(mats, rows)
             compliance = self.linear.Compliance(system)
-            if compliance is None:
-                return 0 * rows
             scale, moved = self.scale[system.multipliers], np.zeros(len(system.multipliers))
             if self.motion is not None:
                 moves = sum(Sparse(mat).T @ self.motion for mat in mats)
@@ -486,12 +485,13 @@ class System:
             parts = Surfaces(self.contacts), compliance, scale, moved, self.residual.size
             forces = SurfaceProblem(*parts).Solve()
             if forces is None:
-                return 0 * rows
-            found.append(forces)
+                raise LinearSolveError("no tractions are found")
             return self.scale * compliance.Solution(forces)
 
-        correction = self.Displace(residual, Solve, mats)
-        return correction if found else None
+        try:
+            return self.Displace(residual, Solve, mats)
+        except (LinearSolveError, NgException):
+            return None
 
     def SimplifiedCorrection(self) -> np.ndarray:
         """That (n,) of the residual measured last, with the matrices of the last correction."""
@@ -623,13 +623,16 @@ class System:
         for body in np.unique(freedom.body[moved]):
             rows = moved & (freedom.body == body)
             if Norm(forces[rows]) <= least:
-                motions, way = freedom.motions[rows], (self.values - start)[rows]
-                self.values[rows] -= motions @ np.linalg.lstsq(motions, way, rcond=None)[0]
+                self._TakeBack(freedom, start, rows)
 
     def TurnBack(self, freedom: Freedom, start: np.ndarray) -> None:
         """Take bodies back along motions that nothing resists, as near to values (n,) as may be."""
-        motions = freedom.motions
-        self.values[:] -= motions @ np.linalg.lstsq(motions, self.values - start, rcond=None)[0]
+        self._TakeBack(freedom, start, np.ones(len(start), bool))
+
+    def _TakeBack(self, freedom: Freedom, start: np.ndarray, rows: np.ndarray) -> None:
+        """The same for some rows (n,) bool."""
+        motions, way = freedom.motions[rows], (self.values - start)[rows]
+        self.values[rows] -= motions @ np.linalg.lstsq(motions, way, rcond=None)[0]
 
     def DrivenMotion(self, freedom: Freedom, holds: str = "now") -> list[str]:
         """Description of the free motion along which the forces measured last do work."""
